@@ -1,0 +1,14 @@
+# handyar_library(NAME source...): the library handyar_NAME with the alias handyar::NAME.
+function(handyar_library name)
+  add_library(handyar_${name} ${ARGN})
+  add_library(handyar::${name} ALIAS handyar_${name})
+  set_target_properties(handyar_${name} PROPERTIES EXPORT_NAME ${name})
+  handyar_warnings(handyar_${name})
+endfunction()
+
+# The project's own code builds without a warning; those who use it are not held to that.
+function(handyar_warnings target)
+  target_compile_options(${target} PRIVATE
+    $<$<CXX_COMPILER_ID:GNU,Clang>:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wno-psabi>
+    $<$<BOOL:${HANDYAR_WERROR}>:-Werror>)
+endfunction()

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace handyar {
+
+/// The fingers, always in this order.
+enum class Finger : std::uint8_t { thumb, index, middle, ring, little };
+inline constexpr int kFingerCount = 5;
+inline constexpr int kValleyCount = 4;  ///< valley i lies between finger i and finger i + 1
+inline constexpr std::array<std::string_view, kFingerCount> kFingerNames = {
+    "thumb", "index", "middle", "ring", "little"};
+
+/// On which side the thumb is when the visible face is looked at with the fingers up. The back of a
+/// left hand and the palm of a right hand share `thumb_right`.
+enum class Layout : std::uint8_t { thumb_right, thumb_left };
+std::string_view name(Layout layout) noexcept;
+constexpr Layout opposite(Layout l) noexcept {
+  return l == Layout::thumb_right ? Layout::thumb_left : Layout::thumb_right;
+}
+
+/// Where a hand model's figures come from.
+enum class HandSource : std::uint8_t { checkerboard, average_adult, self, truth };
+
+/// Fingertip positions in the hand frame, in metres (paper 2.4 and Figure 5).
+///
+/// Hand frame: origin at the x of the middle fingertip, the y of the thumb tip and the mean z of the
+/// five tips; +y along the middle finger towards its tip; +z out of the visible face, towards the
+/// camera; +x completes a right-handed frame, so the thumb is at +x in `thumb_right`.
+struct HandModel {
+  Eigen::Matrix<double, 3, kFingerCount> tips_m = Eigen::Matrix<double, 3, kFingerCount>::Zero();
+  Layout layout = Layout::thumb_right;  ///< in which `tips_m` was measured
+  HandSource source = HandSource::average_adult;
+  double rms_px = 0.0;         ///< reprojection error of the measurement
+  double thickness_m = 0.005;  ///< height of the visible face of a fingertip above what it lies on
+
+  // Measured by calibration since file format version 2; empty where unknown.
+  Eigen::Matrix<double, 3, kFingerCount> tips_sigma_m =
+      Eigen::Matrix<double, 3, kFingerCount>::Zero();  ///< standard deviations, 0 = unknown
+  bool has_valleys = false;
+  Eigen::Matrix<double, 3, kValleyCount> valleys_m = Eigen::Matrix<double, 3, kValleyCount>::Zero();
+  std::vector<Eigen::Vector2d> outline_m;  ///< closed contour in the hand plane, wrist to wrist
+
+  /// True when the metric size was not measured on this hand.
+  bool scale_assumed() const noexcept { return source == HandSource::average_adult; }
+
+  /// The same hand seen in `wanted`: x is mirrored where the layouts differ.
+  HandModel for_layout(Layout wanted) const;
+
+  /// Distance from thumb tip to little fingertip.
+  double span_m() const noexcept { return (tips_m.col(0) - tips_m.col(4)).norm(); }
+};
+
+/// The average adult hand, fingers comfortably spread; the source of the figures stands with them in
+/// hand_model.cpp.
+HandModel average_adult_hand();
+
+}  // namespace handyar
