@@ -16,8 +16,8 @@ Eigen::Vector2d distort(const std::array<double, 5>& d, double x, double y, Eige
   if (J != nullptr) {
     const double radial_r2 = k1 + r2 * (2 * k2 + 3 * r2 * k3);  // d radial / d r2
     const double xy = 2 * x * y * radial_r2 + 2 * p1 * x + 2 * p2 * y;
-    *J << radial + 2 * x * x * radial_r2 + 2 * p1 * y + 6 * p2 * x, xy,
-        xy, radial + 2 * y * y * radial_r2 + 6 * p1 * y + 2 * p2 * x;
+    *J << radial + 2 * x * x * radial_r2 + 2 * p1 * y + 6 * p2 * x, xy, xy,
+        radial + 2 * y * y * radial_r2 + 6 * p1 * y + 2 * p2 * x;
   }
   return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
           y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};

@@ -10,12 +10,16 @@ namespace {
 std::ptrdiff_t bytes_per_pixel(PixelFormat format) {
   switch (format) {
     case PixelFormat::bgr:
-    case PixelFormat::rgb: return 3;
+    case PixelFormat::rgb:
+      return 3;
     case PixelFormat::bgra:
-    case PixelFormat::rgba: return 4;
-    case PixelFormat::yuyv: return 2;
+    case PixelFormat::rgba:
+      return 4;
+    case PixelFormat::yuyv:
+      return 2;
     case PixelFormat::nv12:
-    case PixelFormat::gray: return 1;
+    case PixelFormat::gray:
+      return 1;
   }
   return 0;
 }
@@ -43,13 +47,18 @@ FrameStatus check(const ImageView& image) noexcept {
 
 const char* describe(FrameStatus status) noexcept {
   switch (status) {
-    case FrameStatus::ok: return "ok";
-    case FrameStatus::no_data: return "no image data";
-    case FrameStatus::gray_unsupported: return "grey image: handyar needs colour";
+    case FrameStatus::ok:
+      return "ok";
+    case FrameStatus::no_data:
+      return "no image data";
+    case FrameStatus::gray_unsupported:
+      return "grey image: handyar needs colour";
     case FrameStatus::size_unsupported:
       return "unsupported image size: 160x120 to 4096x2160 pixels, even for yuyv and nv12";
-    case FrameStatus::stride_too_small: return "image rows overlap: stride too small";
-    case FrameStatus::time_not_increasing: return "frame time is not after the previous frame's";
+    case FrameStatus::stride_too_small:
+      return "image rows overlap: stride too small";
+    case FrameStatus::time_not_increasing:
+      return "frame time is not after the previous frame's";
   }
   return "unknown";
 }

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
 #include <cstdint>
+#include <span>
+#include <vector>
+
+#include "handyar/contour.hpp"
 
 namespace handyar {
 
@@ -13,6 +19,73 @@ enum class FingertipMethod : std::uint8_t {
 
 struct FingertipConfig {
   FingertipMethod method = FingertipMethod::ellipse;
+  /// Cosine between the two arms of the contour at a tip or valley, above which it counts (paper:
+  /// 0.5).
+  double min_cosine = 0.4;
+  /// Shortest and longest arm in palm radii; a finger is about 0.42 palm radii wide.
+  double min_arm = 0.5;
+  double max_arm = 1.1;
 };
+
+/// A place where the contour turns sharply: outwards at a fingertip, inwards at a valley.
+struct Extremum {
+  int sample = 0;                                ///< index into the resampled contour
+  Eigen::Vector2f at = Eigen::Vector2f::Zero();  ///< mask pixels
+  float cosine = 0;                              ///< mean over the scales; 1 = a needle
+};
+
+/// Contour curvature at several scales (paper 2.2, equation 1) and its extrema.
+class CurvatureFinder {
+ public:
+  static constexpr int kMaxSamples = 1024;
+  static constexpr int kMaxTips = 16;
+
+  explicit CurvatureFinder(const FingertipConfig& config = {});
+
+  /// Resamples the contour to the palm's size and finds its convex extrema in contour order.
+  /// `palm_radius` is in mask pixels.
+  void find(const Contour& contour, float palm_radius) noexcept;
+
+  std::span<const Extremum> tips() const noexcept {
+    return {tips_.data(), std::size_t(tip_count_)};
+  }
+  std::span<const Eigen::Vector2f> samples() const noexcept {
+    return {samples_.data(), std::size_t(sample_count_)};
+  }
+  /// Distance between neighbouring samples in mask pixels.
+  float spacing() const noexcept { return spacing_; }
+
+  /// The deepest point of the contour between two samples (clockwise from a to b): the sample that
+  /// is farthest on the inner side of the line a-b, and that distance (negative: none is inside).
+  int valley(int a, int b, float* depth) const noexcept;
+
+ private:
+  FingertipConfig config_;
+  std::vector<Eigen::Vector2f> samples_;
+  std::vector<float> convexity_;
+  int sample_count_ = 0;
+  float spacing_ = 1;
+  std::array<Extremum, kMaxTips> tips_;
+  int tip_count_ = 0;
+};
+
+/// A fingertip measured on the full contour.
+struct MeasuredTip {
+  Eigen::Vector2f at = Eigen::Vector2f::Zero();  ///< mask pixels, sub-pixel
+  float sigma = 1;                               ///< standard deviation of `at`, mask pixels
+  float width = 0;                               ///< of the finger near its tip, mask pixels
+};
+
+/// Measures the tip near contour arc length `arc` of a finger about `width` mask pixels wide: a
+/// least-squares ellipse around it and the end of its major axis nearest to it (paper 2.2).
+MeasuredTip measure_tip(const Contour& contour, float arc, float width,
+                        FingertipMethod method) noexcept;
+
+/// Ellipse fitted by least squares to points (Halir and Flusser 1998); false when they form none.
+struct Ellipse {
+  Eigen::Vector2f center, axis;  ///< `axis`: unit direction of the major axis
+  float major = 0, minor = 0;    ///< half lengths
+};
+bool fit_ellipse(std::span<const Eigen::Vector2f> points, Ellipse& out) noexcept;
 
 }  // namespace handyar

@@ -29,9 +29,9 @@ enum class HandSource : std::uint8_t { checkerboard, average_adult, self, truth 
 
 /// Fingertip positions in the hand frame, in metres (paper 2.4 and Figure 5).
 ///
-/// Hand frame: origin at the x of the middle fingertip, the y of the thumb tip and the mean z of the
-/// five tips; +y along the middle finger towards its tip; +z out of the visible face, towards the
-/// camera; +x completes a right-handed frame, so the thumb is at +x in `thumb_right`.
+/// Hand frame: origin at the x of the middle fingertip, the y of the thumb tip and the mean z of
+/// the five tips; +y along the middle finger towards its tip; +z out of the visible face, towards
+/// the camera; +x completes a right-handed frame, so the thumb is at +x in `thumb_right`.
 struct HandModel {
   Eigen::Matrix<double, 3, kFingerCount> tips_m = Eigen::Matrix<double, 3, kFingerCount>::Zero();
   Layout layout = Layout::thumb_right;  ///< in which `tips_m` was measured
@@ -56,8 +56,8 @@ struct HandModel {
   double span_m() const noexcept { return (tips_m.col(0) - tips_m.col(4)).norm(); }
 };
 
-/// The average adult hand, fingers comfortably spread; the source of the figures stands with them in
-/// hand_model.cpp.
+/// The average adult hand, fingers comfortably spread; the source of the figures stands with them
+/// in hand_model.cpp.
 HandModel average_adult_hand();
 
 }  // namespace handyar

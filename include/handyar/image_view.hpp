@@ -24,11 +24,11 @@ struct ImageView {
 /// Why a frame can or cannot be processed.
 enum class FrameStatus : std::uint8_t {
   ok,
-  no_data,            ///< null pointer
-  gray_unsupported,   ///< one channel: there is no colour to segment by
-  size_unsupported,   ///< outside 160x120 .. 4096x2160 in either orientation, or odd for yuyv, nv12
-  stride_too_small,   ///< rows would overlap
-  time_not_increasing ///< the frame's time is not after the previous frame's, or is not finite
+  no_data,           ///< null pointer
+  gray_unsupported,  ///< one channel: there is no colour to segment by
+  size_unsupported,  ///< outside 160x120 .. 4096x2160 in either orientation, or odd for yuyv, nv12
+  stride_too_small,  ///< rows would overlap
+  time_not_increasing  ///< the frame's time is not after the previous frame's, or is not finite
 };
 
 /// Checks everything but the time. Never reads a pixel.

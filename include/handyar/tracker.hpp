@@ -43,11 +43,11 @@ struct TrackResult {
   FrameStatus status = FrameStatus::ok;  ///< anything but ok: the frame was not processed
   double time_s = 0;
   State state = State::searching;
-  std::optional<Layout> layout;              ///< while acquiring and tracking
-  std::array<Tip, kFingerCount> tips;        ///< in finger order; while acquiring the best so far
-  std::array<Tip, kValleyCount> valleys;     ///< valley i between finger i and i + 1
-  std::optional<PoseEstimate> raw_pose;      ///< from this frame alone, before the filter
-  std::optional<FilteredPose> pose;          ///< filtered, at this frame's time
+  std::optional<Layout> layout;           ///< while acquiring and tracking
+  std::array<Tip, kFingerCount> tips;     ///< in finger order; while acquiring the best so far
+  std::array<Tip, kValleyCount> valleys;  ///< valley i between finger i and i + 1
+  std::optional<PoseEstimate> raw_pose;   ///< from this frame alone, before the filter
+  std::optional<FilteredPose> pose;       ///< filtered, at this frame's time
   StageTimes times;
   bool scale_assumed = false;   ///< the hand was not measured: lengths are an average adult's
   bool camera_assumed = false;  ///< the camera was not calibrated

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "handyar/color_bins.hpp"
+
+namespace handyar {
+
+/// Binary image with a border of one zero pixel on every side, so that neighbours always exist.
+struct Mask {
+  int width = 0, height = 0;  ///< without the border
+  std::vector<std::uint8_t> pixels;
+
+  int stride() const noexcept { return width + 2; }
+  std::uint8_t* row(int v) noexcept { return pixels.data() + (v + 1) * stride() + 1; }
+  const std::uint8_t* row(int v) const noexcept { return pixels.data() + (v + 1) * stride() + 1; }
+  bool at(int u, int v) const noexcept { return row(v)[u] != 0; }
+};
+
+/// A connected component (8 neighbours) of a mask, in mask pixels.
+struct Component {
+  int label = 0;
+  int area = 0;
+  Eigen::Vector2f centroid = Eigen::Vector2f::Zero();
+  int u0 = 0, v0 = 0, u1 = 0, v1 = 0;  ///< bounding box, inclusive
+  int first_u = 0;                     ///< its leftmost pixel in its top row v0
+};
+
+/// The deepest point of a component: centre and radius of the largest disc inside it.
+struct Disc {
+  Eigen::Vector2f center = Eigen::Vector2f::Zero();
+  float radius = 0;
+};
+
+/// Hand region (paper 2.1): thresholding and connected components by runs, all in fixed memory.
+class RegionFinder {
+ public:
+  static constexpr int kMaxComponents = 32;
+
+  /// Room for masks of up to `max_pixels`.
+  void reserve(int max_pixels);
+
+  /// mask = ratio of the bin > threshold (eighths of a nat), the ratio averaged over 3x3 pixels
+  /// when `smooth`.
+  void classify(const BinImage& image, std::span<const std::int8_t> ratios, int threshold,
+                bool smooth) noexcept;
+
+  /// Finds the components of at least `min_area` pixels, largest first, at most kMaxComponents.
+  std::span<const Component> components(int min_area) noexcept;
+
+  /// The component that holds (u, v) or else the one nearest to it; null when there is none.
+  const Component* component_at(int u, int v) const noexcept;
+
+  /// Clears all other components from the mask.
+  void keep_only(const Component& component) noexcept;
+
+  /// Largest disc inside a component (distance transform at reduced size).
+  Disc deepest(const Component& component) noexcept;
+
+  const Mask& mask() const noexcept { return mask_; }
+
+ private:
+  struct Run {
+    std::int16_t v, u0, u1;  ///< u0 <= u < u1
+    std::int32_t label;      ///< union-find parent, then component label
+  };
+  std::int32_t root(std::int32_t run) noexcept;
+
+  Mask mask_;
+  std::vector<std::int16_t> rows_[3];  ///< three rows of horizontally summed ratios
+  std::vector<Run> runs_;
+  int run_count_ = 0;
+  std::vector<Component> totals_;  ///< one per root run
+  Component components_[kMaxComponents];
+  int component_count_ = 0;
+  std::vector<std::uint16_t> distance_;
+};
+
+}  // namespace handyar

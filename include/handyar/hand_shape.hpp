@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+
+#include "handyar/fingertips.hpp"
+#include "handyar/hand_model.hpp"
+#include "handyar/hand_region.hpp"
+
+namespace handyar {
+
+struct HandShapeConfig {
+  double min_valley_depth = 0.35;  ///< between neighbouring fingers, in palm radii
+  /// Largest rms distance of tips and valleys from the affine average hand, over the span.
+  double max_residual = 0.065;
+  double min_aspect = 0.30;     ///< smaller over larger scale of the affine map: cosine of the tilt
+  double min_palm_fill = 0.85;  ///< share of the palm disc that lies in the region
+  double min_finger_fill =
+      0.75;  ///< share of the stations along the fingers that are as wide as a finger
+  double max_raggedness = 1.35;  ///< length of the boundary of the fingers over its smoothed length
+};
+
+/// Five fingers found on a contour, in finger order, in mask pixels.
+struct HandShape {
+  Layout layout = Layout::thumb_right;
+  std::array<int, kFingerCount> tip_samples{};  ///< into the resampled contour
+  std::array<Eigen::Vector2f, kFingerCount> tips;
+  std::array<Eigen::Vector2f, kValleyCount> valleys;
+  std::array<bool, kFingerCount> tip_seen{};
+  std::array<bool, kValleyCount> valley_seen{};
+  Eigen::Matrix<float, 2, 3> image_hand;  ///< affine map from the average hand's plane (metres)
+  float residual = 1;      ///< rms of tips and valleys against that map, over the thumb-little span
+  float finger_width = 0;  ///< expected, mask pixels
+
+  Eigen::Vector2f palm() const noexcept;                   ///< its centre, mask pixels
+  float palm_radius() const noexcept;                      ///< mask pixels
+  Eigen::Vector2f finger_base(int finger) const noexcept;  ///< where it leaves the hand
+
+  /// The same shape in other pixels: p -> scale * p + offset.
+  HandShape transformed(float scale, const Eigen::Vector2f& offset) const noexcept;
+  Eigen::Vector2f to_image(const Eigen::Vector2f& p_hand_m) const noexcept {
+    return image_hand.leftCols<2>() * p_hand_m + image_hand.col(2);
+  }
+};
+
+/// Looks for five neighbouring tips with valleys between them that an affine image of the average
+/// hand explains (paper 2.2 asks for five tips around the palm; the whole shape is asked for here,
+/// so that the hand may point anywhere). Thumb and layout follow from which way round fits better.
+/// Returns false when nothing hand-like is there.
+bool find_hand_shape(const CurvatureFinder& curvature, const Contour& contour, const Mask& mask,
+                     float palm_radius, const HandShapeConfig& config, HandShape& best) noexcept;
+
+/// Affine average hand through the tips and valleys that are seen; sets image_hand, residual and
+/// finger_width. False when the shape is no hand's.
+bool fit_hand_shape(const HandShapeConfig& config, HandShape& shape) noexcept;
+
+/// True when palm and fingers of the shape are filled by the region, and the fingers are as wide as
+/// fingers. All valleys must be set.
+bool fills_region(const HandShape& shape, const Mask& mask, const HandShapeConfig& config) noexcept;
+
+}  // namespace handyar

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/fingertips.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace handyar {
+namespace {
+
+float cross(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+}  // namespace
+
+CurvatureFinder::CurvatureFinder(const FingertipConfig& config)
+    : config_(config), samples_(kMaxSamples), convexity_(kMaxSamples) {}
+
+void CurvatureFinder::find(const Contour& contour, float palm_radius) noexcept {
+  constexpr int kScales = 4;
+  tip_count_ = 0;
+  // Twelve samples a palm radius: about five across a finger's width.
+  sample_count_ = contour.resample(std::max(palm_radius / 12, 1.0f), palm_radius / 6, samples_);
+  const int n = sample_count_;
+  spacing_ = contour.perimeter() / static_cast<float>(n);
+  const auto wrap = [n](int i) { return i < 0 ? i + n : i >= n ? i - n : i; };
+
+  std::array<int, kScales> arms;
+  for (int s = 0; s < kScales; ++s) {
+    const double arm = config_.min_arm + (config_.max_arm - config_.min_arm) * s / (kScales - 1);
+    arms[s] = std::clamp(static_cast<int>(arm * palm_radius / spacing_ + 0.5), 2, n / 4);
+  }
+  for (int i = 0; i < n; ++i) {
+    float sum = 0;
+    for (const int arm : arms) {
+      const Eigen::Vector2f a = samples_[wrap(i - arm)] - samples_[i];
+      const Eigen::Vector2f b = samples_[wrap(i + arm)] - samples_[i];
+      const float cosine = a.dot(b) / std::sqrt(a.squaredNorm() * b.squaredNorm() + 1e-6f);
+      // (-a) x b > 0: the contour turns clockwise, outwards.
+      sum += cross(b, a) > 0 ? cosine : -1.0f;
+    }
+    convexity_[i] = sum / kScales;
+  }
+  // Strongest first within half a palm radius along the contour.
+  const int reach = std::max(2, static_cast<int>(0.5f * palm_radius / spacing_));
+  for (int i = 0; i < n && tip_count_ < kMaxTips; ++i) {
+    if (convexity_[i] < config_.min_cosine) continue;
+    bool highest = true;
+    for (int k = 1; k <= reach && highest; ++k)
+      highest = convexity_[i] >= convexity_[wrap(i + k)] && convexity_[i] > convexity_[wrap(i - k)];
+    if (highest) tips_[tip_count_++] = {i, samples_[i], convexity_[i]};
+  }
+}
+
+int CurvatureFinder::valley(int a, int b, float* depth) const noexcept {
+  const int n = sample_count_, length = (b - a + n) % n;
+  const Eigen::Vector2f from = samples_[a], along = (samples_[b] - from).normalized();
+  int deepest = a;
+  float best = -1;
+  for (int k = 1; k < length; ++k) {
+    const int i = a + k < n ? a + k : a + k - n;
+    const float d = cross(along, samples_[i] - from);
+    if (d > best) {
+      best = d;
+      deepest = i;
+    }
+  }
+  *depth = best;
+  return deepest;
+}
+
+bool fit_ellipse(std::span<const Eigen::Vector2f> points, Ellipse& out) noexcept {
+  if (points.size() < 6) return false;
+  // Centred and scaled to about unit size, or the quartic sums lose their digits.
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const auto& p : points) mean += p.cast<double>();
+  mean /= static_cast<double>(points.size());
+  double spread = 0;
+  for (const auto& p : points) spread += (p.cast<double>() - mean).squaredNorm();
+  const double scale = std::sqrt(spread / static_cast<double>(points.size()));
+  if (!(scale > 1e-6)) return false;
+
+  Eigen::Matrix3d S1 = Eigen::Matrix3d::Zero(), S2 = S1, S3 = S1;
+  for (const auto& point : points) {
+    const Eigen::Vector2d p = (point.cast<double>() - mean) / scale;
+    const Eigen::Vector3d quadratic(p.x() * p.x(), p.x() * p.y(), p.y() * p.y());
+    const Eigen::Vector3d linear(p.x(), p.y(), 1);
+    S1 += quadratic * quadratic.transpose();
+    S2 += quadratic * linear.transpose();
+    S3 += linear * linear.transpose();
+  }
+  if (std::abs(S3.determinant()) < 1e-9) return false;
+  const Eigen::Matrix3d T = -S3.inverse() * S2.transpose();
+  const Eigen::Matrix3d M = S1 + S2 * T;
+  Eigen::Matrix3d reduced;  // inverse of the constraint matrix 4ac - b^2 = 1, times M
+  reduced.row(0) = 0.5 * M.row(2);
+  reduced.row(1) = -M.row(1);
+  reduced.row(2) = 0.5 * M.row(0);
+  const Eigen::EigenSolver<Eigen::Matrix3d> solver(reduced);
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d q = solver.eigenvectors().col(i).real();
+    if (!(4 * q[0] * q[2] - q[1] * q[1] > 0)) continue;
+    const Eigen::Vector3d l = T * q;
+    Eigen::Matrix2d A;
+    A << q[0], q[1] / 2, q[1] / 2, q[2];
+    const Eigen::Vector2d center = -0.5 * A.inverse() * l.head<2>();
+    const double value = center.dot(A * center) - l[2];  // x' A x = value around the centre
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(A);
+    const Eigen::Vector2d squares = value * axes.eigenvalues().cwiseInverse();
+    if (!(squares.minCoeff() > 0)) return false;
+    const int major = squares[0] > squares[1] ? 0 : 1;
+    out.center = (center * scale + mean).cast<float>();
+    out.axis = axes.eigenvectors().col(major).cast<float>();
+    out.major = static_cast<float>(std::sqrt(squares[major]) * scale);
+    out.minor = static_cast<float>(std::sqrt(squares[1 - major]) * scale);
+    return std::isfinite(out.major) && std::isfinite(out.minor);
+  }
+  return false;
+}
+
+MeasuredTip measure_tip(const Contour& contour, float arc, float width,
+                        FingertipMethod method) noexcept {
+  const int tip = contour.index_at(arc), n = contour.size();
+  // The end of the finger: a half circle (0.8 widths of boundary each way) and some of its sides.
+  const int reach = std::clamp(contour.index_at(arc + 1.5f * width) - tip, -n, n);
+  const int half = std::clamp(reach < 0 ? reach + n : reach, 4, std::max(4, n / 8));
+  constexpr int kMaxPoints = 256;
+  std::array<Eigen::Vector2f, kMaxPoints> points;
+  const int stride = std::max(1, (2 * half + 1 + kMaxPoints - 1) / kMaxPoints);
+  int count = 0;
+  for (int k = -half; k <= half && count < kMaxPoints; k += stride)
+    points[count++] = contour[(tip + k + n) % n];
+
+  MeasuredTip measured;
+  measured.at = contour[tip];
+  measured.width = width;
+  measured.sigma = 1.5f;
+  if (method == FingertipMethod::curvature) return measured;
+  Ellipse ellipse;
+  if (!fit_ellipse({points.data(), std::size_t(count)}, ellipse)) return measured;
+  const Eigen::Vector2f one = ellipse.center + ellipse.major * ellipse.axis;
+  const Eigen::Vector2f other = ellipse.center - ellipse.major * ellipse.axis;
+  const Eigen::Vector2f end =
+      (one - measured.at).squaredNorm() < (other - measured.at).squaredNorm() ? one : other;
+  // An ellipse that runs far past the contour was fitted to something else than a fingertip.
+  if ((end - measured.at).norm() > 0.75f * width) return measured;
+  measured.at = end;
+  measured.width = 2 * ellipse.minor;
+  measured.sigma = 0.7f;
+  return measured;
+}
+
+}  // namespace handyar

@@ -1,0 +1,455 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "handyar/hand_search.hpp"
+#include "handyar/matching.hpp"
+#include "handyar/skin_model.hpp"
+
+namespace handyar {
+
+std::string_view name(State state) noexcept {
+  switch (state) {
+    case State::searching:
+      return "searching";
+    case State::acquiring:
+      return "acquiring";
+    case State::tracking:
+      return "tracking";
+    case State::lost:
+      return "lost";
+  }
+  return "unknown";
+}
+
+namespace {
+
+/// Adds up what the stages take, where the user gave a clock.
+class StageClock {
+ public:
+  explicit StageClock(double (*now_s)()) : now_s_(now_s), start_s_(now()) {}
+  template <class Stage>
+  auto time(double& total_ms, const Stage& stage) const {
+    const double start_s = now();
+    struct AddOnReturn {
+      const StageClock& clock;
+      double start_s, &total_ms;
+      ~AddOnReturn() { total_ms += 1e3 * (clock.now() - start_s); }
+    } add{*this, start_s, total_ms};
+    return stage();
+  }
+  double total_ms() const { return 1e3 * (now() - start_s_); }
+
+ private:
+  double now() const { return now_s_ != nullptr ? now_s_() : 0.0; }
+  double (*now_s_)();
+  double start_s_;
+};
+
+}  // namespace
+
+struct HandTracker::Impl {
+  Impl(const Camera& c, const HandModel& hand, const Config& cfg)
+      : config(cfg),
+        calibrated_camera(c),
+        camera(c),
+        hands{hand.for_layout(Layout::thumb_right), hand.for_layout(Layout::thumb_left)},
+        skin(cfg.skin),
+        trusted_skin(cfg.skin),
+        search(cfg.search, cfg.fingertips, cfg.shape),
+        curvature(cfg.fingertips),
+        filter(cfg.filter) {
+    hand_samples.reserve(kMaxSamples);
+    background_samples.reserve(kMaxSamples);
+  }
+
+  static constexpr int kMaxSamples = 8192;
+
+  void prepare(const ImageView& frame);
+  void forget() noexcept;
+
+  // The stages, in the order of the paper's Figure 2.
+  bool find_anywhere(const ImageView& frame) noexcept;
+  bool segment(const ImageView& frame) noexcept;
+  bool find_fingertips() noexcept;
+  bool match(bool anew) noexcept;
+  void advance(bool seen) noexcept;
+  void measure_tips(TrackResult& result) noexcept;
+  void estimate_pose(TrackResult& result) noexcept;
+  void filter_pose(TrackResult& result) noexcept;
+  void learn(const BinImage& image, const Mask& mask, const HandShape& hand_shape) noexcept;
+
+  PixelRect region_of_interest(double dt_s) const noexcept;
+  Eigen::Vector2f to_input(const Eigen::Vector2f& p) const noexcept {
+    return {static_cast<float>(bins.x_px(p.x())), static_cast<float>(bins.y_px(p.y()))};
+  }
+  HandShape to_mask(const HandShape& shape_px) const noexcept {
+    const float scale = 1.0f / static_cast<float>(bins.step_px);
+    const Eigen::Vector2f origin(float(bins.x_px(0)), float(bins.y_px(0)));
+    return shape_px.transformed(scale, -scale * origin);
+  }
+  const HandModel& hand(Layout layout) const noexcept { return hands[static_cast<int>(layout)]; }
+
+  Config config;
+  Camera calibrated_camera, camera;  // as given; at the size of the frames
+  HandModel hands[2];                // one per layout
+  int width_px = 0, height_px = 0;
+  ColorSpace space = ColorSpace::rgb;
+
+  SkinModel skin, trusted_skin;  // the latter as it was when the hand was last tracked
+  HandSearch search;
+  BinImage bins, search_bins;
+  RegionFinder region;
+  Contour contour;
+  CurvatureFinder curvature;
+  PoseFilter filter;
+  std::vector<ColorBin> hand_samples, background_samples;
+  std::vector<Eigen::Vector2f> contour_px;
+  int contour_size = 0;
+
+  // What is known of the hand from frame to frame.
+  State state = State::searching;
+  bool following = false;  // `shape` tells where the hand was in the last frame
+  HandShape shape;         // input pixels
+  HandShape found;         // mask pixels of this frame
+  Component component;
+  Eigen::Vector2f centroid_px = Eigen::Vector2f::Zero();
+  Eigen::Vector2f velocity_px_s = Eigen::Vector2f::Zero();
+  double time_s = -std::numeric_limits<double>::infinity();
+  double seen_s = 0;        // when the hand was last seen
+  double first_seen_s = 0;  // since when it is seen without a break
+  double tracked_s = -std::numeric_limits<double>::infinity();  // when it was last tracked
+  double five_tips_s = 0;                                       // when all five tips were last seen
+  int seen_frames = 0;
+  double relief_log_ratio = 0;  // evidence that heights are the model's, not mirrored
+};
+
+void HandTracker::Impl::forget() noexcept {
+  skin.reset(space);
+  trusted_skin.reset(space);
+  filter.reset();
+  state = State::searching;
+  following = false;
+  contour_size = 0;
+  seen_frames = 0;
+  relief_log_ratio = 0;
+  tracked_s = -std::numeric_limits<double>::infinity();
+}
+
+void HandTracker::Impl::prepare(const ImageView& frame) {
+  const ColorSpace frame_space = color_space(frame.format);
+  if (frame.width_px == width_px && frame.height_px == height_px && frame_space == space) return;
+  width_px = frame.width_px;
+  height_px = frame.height_px;
+  space = frame_space;
+  camera = calibrated_camera.scaled_to(width_px, height_px);
+  const int pixels = width_px * height_px;
+  bins.bins.resize(pixels);
+  search_bins.bins.resize(pixels / 4 + width_px + height_px);
+  region.reserve(pixels);
+  search.reserve(pixels / 4 + width_px + height_px);
+  contour.reserve(1 << 14);
+  contour_px.resize(1 << 14);
+  forget();
+}
+
+/// Searching: the whole frame at reduced size, by shape (paper 2.2).
+bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
+  const int longer = std::max(width_px, height_px);
+  const int step =
+      std::max(1, (longer + config.search.longer_side / 2) / config.search.longer_side);
+  read_bins(frame, {0, 0, width_px, height_px}, std::max(step, 2), search_bins);
+  HandShape coarse;
+  if (!search.find(search_bins, space, skin, coarse)) return false;
+  const Eigen::Vector2f origin(float(search_bins.x_px(0)), float(search_bins.y_px(0)));
+  shape = coarse.transformed(static_cast<float>(search_bins.step_px), origin);
+  velocity_px_s.setZero();
+  following = false;
+  learn(search_bins, search.region().mask(), coarse);
+  return true;
+}
+
+PixelRect HandTracker::Impl::region_of_interest(double dt_s) const noexcept {
+  Eigen::Vector2f low = shape.palm(), high = low;
+  const auto include = [&](const Eigen::Vector2f& p) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  };
+  for (int f = 0; f < kFingerCount; ++f)
+    if (shape.tip_seen[f]) include(shape.tips[f]);
+  for (const float x : {-0.045f, 0.045f}) include(shape.to_image({x, -0.085f}));
+  for (const float x : {-0.075f, 0.095f}) include(shape.to_image({x, 0.0f}));
+  include(shape.to_image({0.0f, 0.095f}));
+  const Eigen::Vector2f shift = static_cast<float>(dt_s) * velocity_px_s;
+  const float margin = 1.0f * shape.palm_radius() + 0.5f * shift.norm();
+  low += shift - Eigen::Vector2f::Constant(margin);
+  high += shift + Eigen::Vector2f::Constant(margin);
+  const Eigen::Vector2f limit(static_cast<float>(width_px), static_cast<float>(height_px));
+  low = low.cwiseMax(0.0f).cwiseMin(limit);
+  high = high.cwiseMax(low).cwiseMin(limit);
+  return {static_cast<int>(low.x()), static_cast<int>(low.y()),
+          static_cast<int>(std::ceil(high.x())) - static_cast<int>(low.x()),
+          static_cast<int>(std::ceil(high.y())) - static_cast<int>(low.y())};
+}
+
+/// Segmentation around where the hand is expected (paper 2.1): leaves mask, component and contour.
+bool HandTracker::Impl::segment(const ImageView& frame) noexcept {
+  const double dt = state == State::searching ? 0.0 : std::min(time_s - seen_s, 0.1);
+  read_bins(frame, region_of_interest(dt), config.half_resolution ? 2 : 1, bins);
+  if (bins.width < 16 || bins.height < 16) return false;
+  region.classify(bins, skin.ratios(), 0, true);
+  if (region.components(bins.width * bins.height / 50).empty()) return false;
+  const HandShape before = to_mask(shape);
+  const Eigen::Vector2f at =
+      before.palm() + static_cast<float>(dt) / static_cast<float>(bins.step_px) * velocity_px_s;
+  const Component* holder = region.component_at(int(at.x()), int(at.y()));
+  if (holder == nullptr) return false;
+  component = *holder;
+  region.keep_only(component);
+  return contour.trace(region.mask(), component);
+}
+
+/// Places where the contour turns as sharply as a fingertip (paper 2.2).
+bool HandTracker::Impl::find_fingertips() noexcept {
+  curvature.find(contour, to_mask(shape).palm_radius());
+  return static_cast<int>(curvature.tips().size()) >= config.matching.min_tips;
+}
+
+/// Which is which finger, after the frame before (paper 2.3) or, `anew`, after the search in this
+/// one; true when tips and valleys together are a hand's. Leaves `found`.
+bool HandTracker::Impl::match(bool anew) noexcept {
+  const HandShape before = to_mask(shape);
+  const auto tips = curvature.tips();
+  std::array<Eigen::Vector2f, CurvatureFinder::kMaxTips> candidates;
+  for (std::size_t i = 0; i < tips.size(); ++i) candidates[i] = tips[i].at - component.centroid;
+
+  const Eigen::Vector2f centroid_before =
+      anew ? component.centroid
+           : Eigen::Vector2f(
+                 (centroid_px - Eigen::Vector2f(float(bins.x_px(0)), float(bins.y_px(0)))) /
+                 static_cast<float>(bins.step_px));
+  std::array<Eigen::Vector2f, kFingerCount> previous;
+  for (int f = 0; f < kFingerCount; ++f) previous[f] = before.tips[f] - centroid_before;
+  const float gate =
+      static_cast<float>(config.matching.max_displacement) * 4.5f * before.palm_radius();
+  const TipAssignment assignment =
+      match_tips(previous, {candidates.data(), tips.size()}, before.layout, gate);
+
+  found = before;
+  int matched = 0;
+  for (int f = 0; f < kFingerCount; ++f) {
+    found.tip_seen[f] = assignment[f] >= 0;
+    if (!found.tip_seen[f]) continue;
+    found.tips[f] = tips[assignment[f]].at;
+    found.tip_samples[f] = tips[assignment[f]].sample;
+    ++matched;
+  }
+  if (matched < (anew ? kFingerCount : config.matching.min_tips)) return false;
+  for (int k = 0; k < kValleyCount; ++k) {
+    found.valley_seen[k] = found.tip_seen[k] && found.tip_seen[k + 1];
+    if (!found.valley_seen[k]) continue;
+    const bool forward = found.layout == Layout::thumb_left;  // clockwise from finger k to k + 1
+    float depth = 0;
+    const int at = curvature.valley(found.tip_samples[forward ? k : k + 1],
+                                    found.tip_samples[forward ? k + 1 : k], &depth);
+    if (depth < 0.25f * before.palm_radius()) return false;
+    found.valleys[k] = curvature.samples()[at];
+  }
+  HandShapeConfig limits = config.shape;
+  if (state == State::tracking || state == State::lost) {
+    limits.max_residual *= 1.5;  // hysteresis
+    limits.min_aspect *= 0.6;
+  }
+  if (!fit_hand_shape(limits, found)) return false;
+  // A tip that was missed stays where the shape puts it, for the next frame's matching.
+  const Eigen::Vector2f moved = found.palm() - before.palm();
+  for (int f = 0; f < kFingerCount; ++f)
+    if (!found.tip_seen[f]) found.tips[f] = before.tips[f] + moved;
+  for (int k = 0; k < kValleyCount; ++k)
+    if (!found.valley_seen[k]) found.valleys[k] = before.valleys[k] + moved;
+  if (!fills_region(found, region.mask(), limits)) return false;
+  if (matched == kFingerCount) five_tips_s = time_s;
+  return time_s - five_tips_s <= config.acquisition.max_missing_tip_s;
+}
+
+/// Where each fingertip is, to a fraction of a pixel (paper 2.2).
+void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
+  for (int f = 0; f < kFingerCount; ++f) {
+    if (!found.tip_seen[f]) continue;
+    const float arc = static_cast<float>(found.tip_samples[f]) * curvature.spacing();
+    const MeasuredTip tip = measure_tip(contour, arc, found.finger_width, config.fingertips.method);
+    result.tips[f] = {to_input(tip.at).cast<double>(), true};
+  }
+  for (int k = 0; k < kValleyCount; ++k)
+    if (found.valley_seen[k]) result.valleys[k] = {to_input(found.valleys[k]).cast<double>(), true};
+  contour_size = contour.size();
+  for (int i = 0; i < contour_size; ++i) contour_px[i] = to_input(contour[i]);
+}
+
+/// Camera pose relative to the hand (paper 2.5).
+void HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
+  HandObservation observation;
+  const double step = bins.step_px;
+  for (int f = 0; f < kFingerCount; ++f)
+    observation.tips[f] = {result.tips[f].px, 0.8 * step, result.tips[f].seen};
+  for (int k = 0; k < kValleyCount; ++k)
+    observation.valleys[k] = {result.valleys[k].px, 1.5 * step, result.valleys[k].seen};
+  PosePrior prior;
+  if (const auto predicted = filter.predict(time_s))
+    prior.prediction = PosePrediction{predicted->T_camera_hand, predicted->covariance};
+  prior.relief_probability = 1 / (1 + std::exp(-relief_log_ratio));
+  result.raw_pose =
+      handyar::estimate_pose(observation, hand(found.layout), camera, config.pose, prior);
+  if (result.raw_pose)
+    relief_log_ratio = std::clamp(relief_log_ratio + result.raw_pose->relief_log_ratio, -8.0, 8.0);
+}
+
+void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
+  if (result.raw_pose) filter.update(time_s, *result.raw_pose);
+  result.pose = filter.predict(time_s);
+}
+
+/// Colours of the verified hand and of what surrounds it go back into the skin model (paper 2.1).
+void HandTracker::Impl::learn(const BinImage& image, const Mask& mask,
+                              const HandShape& hand_shape) noexcept {
+  if (!std::ranges::all_of(hand_shape.valley_seen, [](bool seen) { return seen; })) return;
+  hand_samples.clear();
+  background_samples.clear();
+  const auto take = [&](const Eigen::Vector2f& p) {
+    const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
+    if (u < 0 || v < 0 || u >= mask.width || v >= mask.height) return;
+    if (hand_samples.size() < hand_samples.capacity())
+      hand_samples.push_back(image.bins[static_cast<std::size_t>(v) * image.width + u]);
+  };
+  // Inside by geometry rather than by the mask, so that a mask that leaked teaches nothing.
+  const float spacing = std::max(1.0f, hand_shape.finger_width / 8);
+  const float core = 0.3f * hand_shape.finger_width;
+  for (int f = 0; f < kFingerCount; ++f) {
+    const Eigen::Vector2f from = hand_shape.finger_base(f), to = hand_shape.tips[f];
+    const float length = (to - from).norm();
+    const Eigen::Vector2f along = (to - from) / std::max(length, 1.0f);
+    const Eigen::Vector2f across(-along.y(), along.x());
+    for (float s = 0; s < length - core; s += spacing)
+      for (float w = -core; w <= core; w += spacing) take(from + s * along + w * across);
+  }
+  const float palm = 0.85f * hand_shape.palm_radius();
+  for (float y = -palm; y <= palm; y += 1.5f * spacing)
+    for (float x = -palm; x <= palm; x += 1.5f * spacing)
+      if (x * x + y * y < palm * palm) take(hand_shape.palm() + Eigen::Vector2f(x, y));
+  const int grid = std::max(2, static_cast<int>(hand_shape.finger_width / 5));
+  for (int v = grid; v < mask.height - grid; v += grid)
+    for (int u = grid; u < mask.width - grid; u += grid) {
+      const bool clear = !mask.at(u, v) && !mask.at(u - 2, v) && !mask.at(u + 2, v) &&
+                         !mask.at(u, v - 2) && !mask.at(u, v + 2);
+      if (clear && background_samples.size() < background_samples.capacity())
+        background_samples.push_back(image.bins[static_cast<std::size_t>(v) * image.width + u]);
+    }
+  skin.learn(hand_samples, background_samples);
+}
+
+/// The states: when a hand is believed, and when it is given up.
+void HandTracker::Impl::advance(bool seen) noexcept {
+  const AcquisitionConfig& limits = config.acquisition;
+  const bool known = time_s - tracked_s < limits.remember_s;
+  if (seen) {
+    const HandShape now = found.transformed(static_cast<float>(bins.step_px),
+                                            {float(bins.x_px(0)), float(bins.y_px(0))});
+    const bool resumed = following && state == State::lost;
+    if (following) {
+      velocity_px_s = (now.palm() - shape.palm()) / static_cast<float>(time_s - seen_s);
+    } else {
+      first_seen_s = time_s;
+      seen_frames = 0;
+    }
+    ++seen_frames;
+    const bool confirmed =
+        time_s - first_seen_s > (known ? limits.reconfirm_s : limits.confirm_s) - 1e-6 &&
+        seen_frames >= (known ? 2 : limits.confirm_frames);
+    if (state != State::tracking) state = resumed || confirmed ? State::tracking : State::acquiring;
+    if (state == State::tracking) tracked_s = time_s;
+    shape = now;
+    centroid_px = to_input(component.centroid);
+    following = true;
+    seen_s = time_s;
+    return;
+  }
+  if (state == State::tracking) trusted_skin = skin;
+  state = known ? State::lost : State::searching;
+  following = following && time_s - tracked_s < limits.coast_s;
+  if (!following) {
+    skin = trusted_skin;
+    filter.reset();
+  }
+}
+
+HandTracker::HandTracker(const Camera& camera, const HandModel& hand, const Config& config)
+    : impl_(std::make_unique<Impl>(camera, hand, config)) {}
+HandTracker::~HandTracker() = default;
+HandTracker::HandTracker(HandTracker&&) noexcept = default;
+HandTracker& HandTracker::operator=(HandTracker&&) noexcept = default;
+
+TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept {
+  Impl& t = *impl_;
+  TrackResult result;
+  result.time_s = time_s;
+  result.status = check(frame);
+  if (result.status == FrameStatus::ok && !(std::isfinite(time_s) && time_s > t.time_s))
+    result.status = FrameStatus::time_not_increasing;
+  result.state = t.state;
+  result.scale_assumed = t.hands[0].scale_assumed();
+  result.camera_assumed = t.calibrated_camera.assumed;
+  if (result.status != FrameStatus::ok) return result;
+  t.prepare(frame);
+  t.time_s = time_s;
+
+  const StageClock clock(t.config.now_s);
+  StageTimes& times = result.times;
+  const auto look = [&](bool anew) {
+    const bool seen = clock.time(times.segmentation_ms, [&] { return t.segment(frame); }) &&
+                      clock.time(times.fingertips_ms, [&] { return t.find_fingertips(); }) &&
+                      clock.time(times.matching_ms, [&] { return t.match(anew); });
+    return seen;
+  };
+  bool seen = t.following && look(false);
+  if (!seen && t.state != State::tracking)
+    seen = clock.time(times.segmentation_ms, [&] { return t.find_anywhere(frame); }) && look(true);
+  t.advance(seen);
+  result.state = t.state;
+  t.contour_size = 0;
+  if (seen) {
+    result.layout = t.found.layout;
+    clock.time(times.fingertips_ms, [&] { t.measure_tips(result); });
+    clock.time(times.segmentation_ms, [&] { t.learn(t.bins, t.region.mask(), t.found); });
+    if (t.state == State::tracking) {
+      clock.time(times.pose_ms, [&] { t.estimate_pose(result); });
+      clock.time(times.filter_ms, [&] { t.filter_pose(result); });
+    }
+  }
+  times.total_ms = clock.total_ms();
+  return result;
+}
+
+std::optional<FilteredPose> HandTracker::predict(double time_s) const noexcept {
+  if (impl_->state != State::tracking) return std::nullopt;
+  return impl_->filter.predict(time_s);
+}
+
+std::span<const Eigen::Vector2f> HandTracker::contour_px() const noexcept {
+  return {impl_->contour_px.data(), static_cast<std::size_t>(impl_->contour_size)};
+}
+
+HandMask HandTracker::mask() const noexcept {
+  if (impl_->contour_size == 0) return {};
+  const Mask& m = impl_->region.mask();
+  return {m.row(0),          m.width,           m.height,           m.stride(),
+          impl_->bins.x0_px, impl_->bins.y0_px, impl_->bins.step_px};
+}
+
+const HandModel& HandTracker::hand() const noexcept { return impl_->hand(impl_->found.layout); }
+
+void HandTracker::reset() noexcept { impl_->forget(); }
+
+}  // namespace handyar
