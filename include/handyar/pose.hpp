@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "handyar/camera.hpp"
 #include "handyar/hand_model.hpp"
@@ -14,23 +15,86 @@ namespace handyar {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
+/// Which points the pose rests on.
+enum class PoseMethod : std::uint8_t {
+  tips,   ///< the fingertips, as a rigid body (the paper)
+  points  ///< tips and valleys; each finger may have turned in the hand plane since calibration
+};
+
+/// What is not known of a hand, as standard deviations.
+struct PoseConfig {
+  PoseMethod method = PoseMethod::points;
+  double spread_sigma_rad = 0.044;  ///< turn of a finger about its knuckle; `points` only
+  double valley_sigma_m = 0.001;    ///< valleys are skin: how far they move in the hand plane
+  double relief_sigma_m = 0.001;  ///< height of each point over the hand plane against the model's
+  double huber = 2.5;             ///< points more standard deviations off than this weigh less
+};
+
+/// A tip or a valley as one frame shows it.
+struct ObservedPoint {
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();
+  double sigma_px = 1.0;  ///< standard deviation of each coordinate, > 0
+  bool seen = false;      ///< false: the rest is meaningless
+};
+struct HandObservation {
+  std::array<ObservedPoint, kFingerCount> tips;
+  std::array<ObservedPoint, kValleyCount> valleys;  ///< used when the hand model has valleys
+};
+
+/// A pose expected before the frame was looked at; covariance as in PoseEstimate.
+struct PosePrediction {
+  Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
+  Matrix6d covariance = Matrix6d::Identity();
+};
+
+/// What is known beforehand. It decides between hypotheses; the estimate itself is the frame's
+/// alone, so that a filter can use it as an independent measurement.
+struct PosePrior {
+  std::optional<PosePrediction> prediction;
+
+  /// Probability that heights over the hand plane are the model's and not mirrored (z against -z):
+  /// they are mirrored when the palm is seen with a model of the back, or the reverse. Between 0
+  /// and 1 the estimate is the mean of both cases and its covariance says so.
+  double relief_probability = 1.0;
+};
+
 /// Camera pose relative to the hand, from one frame (paper 2.5).
 struct PoseEstimate {
   Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
 
   /// Order: rotation (rad), translation (m). The rotation error is on the left, in camera axes:
-  /// R_true = exp([w]x) R, t_true = t + d.
+  /// R_true = exp([w]x) R, t_true = t + d. Grows with what the model cannot explain, and with the
+  /// probability of the other hypotheses.
   Matrix6d covariance = Matrix6d::Zero();
 
-  double rms_px = std::numeric_limits<double>::quiet_NaN();  ///< of the points used
+  /// Distance between seen and reprojected points, of the points used, in the calibrated posture.
+  double rms_px = std::numeric_limits<double>::quiet_NaN();
 
-  /// Residual of this solution over that of the other planar one: near 0 sure, near 1 ambiguous.
+  /// Squared error in standard deviations per degree of freedom: about 1 when noise and model are
+  /// as stated, much more when something is wrong.
+  double reduced_chi2 = 0.0;
+
+  /// rms_px of this solution over that of the other planar one: near 0 sure, near 1 ambiguous, more
+  /// when the prediction decided; 0 when there is no other.
   double ambiguity = 0.0;
 
   /// Turn of each finger in the hand plane against the calibrated posture, towards the thumb
   /// positive; zero for methods that do not estimate it.
   std::array<double, kFingerCount> spread_rad{};
+
+  /// Evidence of this frame for the model's relief against the mirrored one: log of the likelihood
+  /// ratio, for the tracker to add up; 0 when only one was tried.
+  double relief_log_ratio = 0.0;
+
+  int points_used = 0;
 };
+
+/// Pose from at least four points of which three are tips (paper 2.5). `hand` is in the layout that
+/// is seen. Empty when there are too few points, when they lie on a line, when a seen point is not
+/// finite, or when no pose puts the visible face before the camera. Takes no memory.
+std::optional<PoseEstimate> estimate_pose(const HandObservation& observation, const HandModel& hand,
+                                          const Camera& camera, const PoseConfig& config = {},
+                                          const PosePrior& prior = {}) noexcept;
 
 /// Root mean square standard deviation of rotation (rad) over the three axes.
 double sigma_rotation_rad(const Matrix6d& covariance) noexcept;

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/pose.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "handyar/planar_pose.hpp"
+#include "pose_points.hpp"
+#include "pose_refinement.hpp"
+#include "so3.hpp"
+
+namespace handyar {
+namespace {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// Up to two poses that explain the points, the more probable first.
+struct Hypotheses {
+  std::array<FittedPose, 2> pose;
+  std::array<double, 2> deviance{};  ///< -2 log of likelihood times prior
+  int count = 0;
+  int points = 0;
+
+  double degrees_of_freedom() const { return 2.0 * points - 6; }
+  double reduced_chi2() const { return pose[0].chi2 / degrees_of_freedom(); }
+
+  void push_back(const FittedPose& p, double d) {
+    if (count == 2 && d >= deviance[1]) return;
+    const int last = count < 2 ? count++ : 1;
+    pose[last] = p;
+    deviance[last] = d;
+    if (count == 2 && deviance[1] < deviance[0]) {
+      std::swap(pose[0], pose[1]);
+      std::swap(deviance[0], deviance[1]);
+    }
+  }
+};
+
+/// Error of b against a, as in PoseEstimate::covariance.
+Vector6d difference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  Vector6d d;
+  d << so3::log(Eigen::Matrix3d(b.linear() * a.linear().transpose())),
+      b.translation() - a.translation();
+  return d;
+}
+
+/// -2 log of the prior of a pose. The tails are those of Student's t with ten degrees of freedom:
+/// a prediction can be plainly wrong, and then has no say between two poses far from it.
+double prior_deviance(const FittedPose& pose, const PosePrior& prior) {
+  if (!prior.prediction) return 0;
+  constexpr double kTail = 10;
+  const Vector6d d = difference(prior.prediction->T_camera_hand, pose.T_camera_hand);
+  const Matrix6d S = prior.prediction->covariance + pose.covariance;
+  const double d2 = d.dot(S.ldlt().solve(d));
+  return std::isfinite(d2) ? (kTail + 6) * std::log1p(d2 / kTail) : 0;
+}
+
+/// The visible face looks at the camera; fingers seen flatter than this cannot be told apart.
+bool faces_camera(const Eigen::Isometry3d& T) {
+  const double kMinCos = std::cos(80 * std::numbers::pi / 180);
+  return -T.linear().col(2).dot(T.translation()) > kMinCos * T.translation().norm();
+}
+
+bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  const Vector6d d = difference(a, b);
+  return d.head<3>().norm() < 1e-3 && d.tail<3>().norm() < 1e-3 * a.translation().norm();
+}
+
+/// Different poses in the neighbourhood of which the points are explained.
+class Candidates {
+ public:
+  Candidates(const PosePoints& points, const Camera& camera, double huber)
+      : points_(points), camera_(camera), huber_(huber) {}
+
+  /// Refines from `start`; keeps the result unless it is known already.
+  void add(const Eigen::Isometry3d& start) {
+    if (!faces_camera(start)) return;
+    const std::optional<FittedPose> fit = refine(points_, camera_, huber_, start);
+    if (fit && faces_camera(fit->T_camera_hand) && !knows(fit->T_camera_hand))
+      fits_[count_++] = *fit;
+  }
+
+  const FittedPose* begin() const { return fits_.data(); }
+  const FittedPose* end() const { return fits_.data() + count_; }
+
+ private:
+  bool knows(const Eigen::Isometry3d& T) const {
+    return std::any_of(begin(), end(),
+                       [&](const FittedPose& f) { return same(f.T_camera_hand, T); });
+  }
+
+  const PosePoints& points_;
+  const Camera& camera_;
+  double huber_;
+  std::array<FittedPose, 3> fits_;
+  int count_ = 0;
+};
+
+/// Refines from both planar solutions and the prediction, keeps the different results.
+Hypotheses solve(const PosePoints& points, const Camera& camera, double huber,
+                 const PosePrior& prior) {
+  Hypotheses result;
+  result.points = points.count;
+  std::array<Eigen::Vector2d, kMaxPosePoints> plane_m, normalised;
+  for (int i = 0; i < points.count; ++i) {
+    plane_m[i] = points.at[i].hand_m.head<2>();
+    normalised[i] = camera.unproject(points.at[i].px);
+  }
+  const std::size_t n = static_cast<std::size_t>(points.count);
+  const auto planar = solve_planar({plane_m.data(), n}, {normalised.data(), n});
+  if (!planar) return result;
+
+  Candidates candidates(points, camera, huber);
+  for (const PlanarPose& p : *planar) candidates.add(p.T_camera_plane);
+  if (prior.prediction) candidates.add(prior.prediction->T_camera_hand);
+
+  // Where even the best fits badly, the noise is larger than stated and residuals decide less.
+  double inflation = std::numeric_limits<double>::infinity();
+  for (const FittedPose& fit : candidates)
+    inflation = std::min(inflation, std::max(1.0, fit.chi2 / result.degrees_of_freedom()));
+  for (const FittedPose& fit : candidates)
+    result.push_back(fit, fit.deviance / inflation + prior_deviance(fit, prior));
+  return result;
+}
+
+/// Drops one point when that alone turns a bad fit into a good one, a tip that is another's or
+/// none. With few points some subset always fits: then all stay and the covariance grows.
+Hypotheses solve_without_outlier(PosePoints& points, const Camera& camera, double huber,
+                                 const PosePrior& prior) {
+  constexpr int kEnough = 7;
+  constexpr double kBad = 5, kGood = 2;  // of reduced chi2
+  const Hypotheses all = solve(points, camera, huber, prior);
+  if (points.count < kEnough || all.count == 0 || all.reduced_chi2() < kBad) return all;
+  Hypotheses best = all;
+  double best_chi2 = kGood;
+  PosePoints best_points = points;
+  for (int i = 0; i < points.count; ++i) {
+    const PosePoints rest = points.without(i);
+    const Hypotheses h = solve(rest, camera, huber, prior);
+    if (h.count == 0 || h.reduced_chi2() >= best_chi2) continue;
+    best_chi2 = h.reduced_chi2();
+    best = h;
+    best_points = rest;
+  }
+  points = best_points;
+  return best;
+}
+
+PoseEstimate summarise(const Hypotheses& h, const PosePoints& points, const Camera& camera) {
+  const FittedPose& best = h.pose[0];
+  PoseEstimate e;
+  e.T_camera_hand = best.T_camera_hand;
+  e.rms_px = best.rms_px;
+  e.reduced_chi2 = h.reduced_chi2();
+  e.points_used = points.count;
+  e.covariance = best.covariance * std::max(1.0, e.reduced_chi2);
+  if (h.count == 2) {
+    e.ambiguity = best.rms_px / std::max(h.pose[1].rms_px, 1e-12);
+    const double probability = 1 / (1 + std::exp(0.5 * (h.deviance[1] - h.deviance[0])));
+    const Vector6d d = difference(best.T_camera_hand, h.pose[1].T_camera_hand);
+    e.covariance += probability * d * d.transpose();
+  }
+  for (const PosePoint& p : points)
+    if (p.finger >= 0) e.spread_rad[p.finger] = spread_rad(p, camera, best.T_camera_hand);
+  return e;
+}
+
+/// Mean and covariance of two estimates of which one is right.
+PoseEstimate mixture(const PoseEstimate& a, const PoseEstimate& b, double probability_a) {
+  PoseEstimate e = probability_a >= 0.5 ? a : b;
+  const double q = 1 - probability_a;
+  const Vector6d d = difference(a.T_camera_hand, b.T_camera_hand);
+  e.T_camera_hand = a.T_camera_hand;
+  e.T_camera_hand.linear() =
+      (so3::exp(q * d.head<3>()) * Eigen::Quaterniond(a.T_camera_hand.linear())).matrix();
+  e.T_camera_hand.translation() += q * d.tail<3>();
+  e.covariance =
+      probability_a * a.covariance + q * b.covariance + probability_a * q * d * d.transpose();
+  return e;
+}
+
+}  // namespace
+
+std::optional<PoseEstimate> estimate_pose(const HandObservation& observation, const HandModel& hand,
+                                          const Camera& camera, const PoseConfig& config,
+                                          const PosePrior& prior) noexcept {
+  std::optional<PosePoints> points = pose_points(observation, hand, config);
+  if (!points) return std::nullopt;
+  PosePoints mirrored = *points;
+  for (PosePoint& p : mirrored.at) p.hand_m.z() = -p.hand_m.z();
+
+  const double p_model = std::clamp(prior.relief_probability, 0.0, 1.0);
+  const bool flat =
+      std::ranges::all_of(*points, [](const PosePoint& p) { return p.hand_m.z() == 0; });
+  std::optional<PoseEstimate> by_model, by_mirrored;
+  double deviance_model = 0, deviance_mirrored = 0;
+  if (p_model > 0 || flat) {
+    const Hypotheses h = solve_without_outlier(*points, camera, config.huber, prior);
+    if (h.count > 0) by_model = summarise(h, *points, camera);
+    if (h.count > 0) deviance_model = h.deviance[0];
+  }
+  if (p_model < 1 && !flat) {
+    const Hypotheses h = solve_without_outlier(mirrored, camera, config.huber, prior);
+    if (h.count > 0) by_mirrored = summarise(h, mirrored, camera);
+    if (h.count > 0) deviance_mirrored = h.deviance[0];
+  }
+  if (!by_model) return by_mirrored;
+  if (!by_mirrored) return by_model;
+  PoseEstimate e = mixture(*by_model, *by_mirrored, p_model);
+  const double worst = std::max({1.0, by_model->reduced_chi2, by_mirrored->reduced_chi2});
+  e.relief_log_ratio = 0.5 * (deviance_mirrored - deviance_model) / worst;
+  return e;
+}
+
+double sigma_rotation_rad(const Matrix6d& covariance) noexcept {
+  return std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3);
+}
+
+double sigma_translation_m(const Matrix6d& covariance) noexcept {
+  return std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3);
+}
+
+}  // namespace handyar

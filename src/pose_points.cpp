@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "pose_points.hpp"
+
+#include <cmath>
+
+namespace handyar {
+namespace {
+
+/// Knuckles of an average hand in `thumb_right`, in spans (thumb tip to little fingertip). The
+/// thumb's is the one at the wrist, about which it spreads.
+const Eigen::Matrix<double, 2, kFingerCount> kAverageKnuckles =
+    (Eigen::Matrix<double, 2, kFingerCount>() << 0.12, 0.116, -0.008, -0.13, -0.255,  //
+     -0.42, -0.016, -0.04, -0.06, -0.077)
+        .finished();
+
+bool usable(const ObservedPoint& p) {
+  return p.px.allFinite() && std::isfinite(p.sigma_px) && p.sigma_px > 0;
+}
+
+}  // namespace
+
+Eigen::Matrix<double, 2, kFingerCount> knuckles_m(const HandModel& hand) {
+  Eigen::Matrix<double, 2, kFingerCount> knuckles = hand.span_m() * kAverageKnuckles;
+  if (hand.layout == Layout::thumb_left) knuckles.row(0) *= -1;
+  if (!hand.has_valleys) return knuckles;
+
+  const auto valleys = hand.valleys_m.topRows<2>();
+  Eigen::Matrix<double, 2, kFingerCount> roots;
+  roots.col(2) = 0.5 * (valleys.col(1) + valleys.col(2));
+  roots.col(3) = 0.5 * (valleys.col(2) + valleys.col(3));
+  roots.col(1) = 2 * valleys.col(1) - roots.col(2);  // index and little have a valley on one side
+  roots.col(4) = 2 * valleys.col(3) - roots.col(3);
+  for (int i = 1; i < kFingerCount; ++i)
+    knuckles.col(i) = roots.col(i) - 0.3 * (hand.tips_m.col(i).head<2>() - roots.col(i));
+  return knuckles;
+}
+
+std::optional<PosePoints> pose_points(const HandObservation& observation, const HandModel& hand,
+                                      const PoseConfig& config) {
+  const bool articulated = config.method == PoseMethod::points;
+  const double towards_thumb = hand.layout == Layout::thumb_right ? 1.0 : -1.0;
+  const Eigen::Matrix<double, 2, kFingerCount> knuckles = knuckles_m(hand);
+  const double spread_sigma_rad = articulated ? config.spread_sigma_rad : 0.0;
+  const double relief2 = config.relief_sigma_m * config.relief_sigma_m;
+
+  PosePoints points;
+  for (int i = 0; i < kFingerCount; ++i) {
+    const ObservedPoint& seen = observation.tips[i];
+    if (!seen.seen) continue;
+    if (!usable(seen)) return std::nullopt;
+    PosePoint p{
+        .hand_m = hand.tips_m.col(i), .px = seen.px, .sigma_px = seen.sigma_px, .finger = i};
+    p.covariance_m2.diagonal() = hand.tips_sigma_m.col(i).array().square();
+    p.covariance_m2(2, 2) += relief2;
+    const Eigen::Vector2d arm = p.hand_m.head<2>() - knuckles.col(i);
+    p.per_spread_m << towards_thumb * arm.y(), -towards_thumb * arm.x(), 0;
+    p.spread_sigma_rad = spread_sigma_rad;
+    p.covariance_m2 +=
+        spread_sigma_rad * spread_sigma_rad * p.per_spread_m * p.per_spread_m.transpose();
+    points.push_back(p);
+  }
+  if (points.count < 3) return std::nullopt;
+  for (int i = 0; i < kValleyCount && articulated && hand.has_valleys; ++i) {
+    const ObservedPoint& seen = observation.valleys[i];
+    if (!seen.seen) continue;
+    if (!usable(seen)) return std::nullopt;
+    PosePoint p{.hand_m = hand.valleys_m.col(i), .px = seen.px, .sigma_px = seen.sigma_px};
+    p.covariance_m2.diagonal() << config.valley_sigma_m * config.valley_sigma_m,
+        config.valley_sigma_m * config.valley_sigma_m, relief2;
+    points.push_back(p);
+  }
+  if (points.count < 4) return std::nullopt;
+  return points;
+}
+
+}  // namespace handyar

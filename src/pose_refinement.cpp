@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "pose_refinement.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "so3.hpp"
+
+namespace handyar {
+namespace {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+constexpr int kMaxIterations = 20;
+constexpr double kMinDepth_m = 0.01;
+
+double huber_cost(double s2, double k) { return s2 <= k * k ? s2 : 2 * k * std::sqrt(s2) - k * k; }
+double huber_weight(double s2, double k) { return s2 <= k * k ? 1.0 : k / std::sqrt(s2); }
+
+/// The problem linearised at one pose.
+struct Linearised {
+  Matrix6d H = Matrix6d::Zero();  ///< J' W J
+  Vector6d g = Vector6d::Zero();  ///< J' W r
+  double cost = 0, chi2 = 0, sum_px2 = 0;
+  std::array<Eigen::Matrix2d, kMaxPosePoints> information;  ///< of each residual, per px^2
+};
+
+bool linearise(const PosePoints& points, const Camera& camera, double huber,
+               const Eigen::Isometry3d& T, Linearised& out) {
+  out = Linearised{};
+  for (int i = 0; i < points.count; ++i) {
+    const PosePoint& p = points.at[i];
+    Eigen::Vector2d r;
+    Eigen::Matrix<double, 2, 6> J;
+    Eigen::Matrix<double, 2, 3> J_hand;
+    if (!reprojection(p, camera, T, r, J, J_hand)) return false;
+    Eigen::Matrix2d S = J_hand * p.covariance_m2 * J_hand.transpose();
+    S.diagonal().array() += p.sigma_px * p.sigma_px;
+    const Eigen::Matrix2d information = S.inverse();
+    const double s2 = r.dot(information * r);
+    const Eigen::Matrix<double, 6, 2> JtW = J.transpose() * (huber_weight(s2, huber) * information);
+    out.H.noalias() += JtW * J;
+    out.g.noalias() += JtW * r;
+    out.cost += huber_cost(s2, huber);
+    out.chi2 += s2;
+    out.sum_px2 += r.squaredNorm();
+    out.information[i] = information;
+  }
+  return std::isfinite(out.cost);
+}
+
+/// Cost at another pose with the weights of this one; infinite behind the camera.
+double cost_at(const PosePoints& points, const Camera& camera, double huber,
+               const Eigen::Isometry3d& T, const Linearised& at) {
+  double cost = 0;
+  for (int i = 0; i < points.count; ++i) {
+    const Eigen::Vector3d p = T * points.at[i].hand_m;
+    if (!(p.z() > kMinDepth_m)) return std::numeric_limits<double>::infinity();
+    const Eigen::Vector2d r = points.at[i].px - camera.project(p);
+    cost += huber_cost(r.dot(at.information[i] * r), huber);
+  }
+  return cost;
+}
+
+Eigen::Isometry3d moved(const Eigen::Isometry3d& T, const Vector6d& step) {
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  const Eigen::Quaterniond q = so3::exp(step.head<3>()) * Eigen::Quaterniond(T.linear());
+  result.linear() = q.normalized().matrix();
+  result.translation() = T.translation() + step.tail<3>();
+  return result;
+}
+
+/// The fit at a pose, with its covariance.
+std::optional<FittedPose> fit_at(const PosePoints& points, const Camera& camera, double huber,
+                                 const Eigen::Isometry3d& T) {
+  Linearised at;
+  if (!linearise(points, camera, huber, T, at)) return std::nullopt;
+  const Eigen::LDLT<Matrix6d> ldlt(at.H);
+  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 0)) return std::nullopt;
+  FittedPose fit;
+  fit.T_camera_hand = T;
+  fit.covariance = ldlt.solve(Matrix6d::Identity());
+  fit.covariance = 0.5 * (fit.covariance + fit.covariance.transpose()).eval();
+  if (!fit.covariance.allFinite()) return std::nullopt;
+  fit.deviance = at.cost;
+  fit.chi2 = at.chi2;
+  fit.rms_px = std::sqrt(at.sum_px2 / points.count);
+  return fit;
+}
+
+}  // namespace
+
+PosePoints PosePoints::without(int index) const {
+  PosePoints rest;
+  for (int i = 0; i < count; ++i)
+    if (i != index) rest.push_back(at[i]);
+  return rest;
+}
+
+bool reprojection(const PosePoint& point, const Camera& camera, const Eigen::Isometry3d& T,
+                  Eigen::Vector2d& residual_px, Eigen::Matrix<double, 2, 6>& J_pose,
+                  Eigen::Matrix<double, 2, 3>& J_hand_m) {
+  const Eigen::Vector3d turned = T.linear() * point.hand_m;
+  const Eigen::Vector3d p = turned + T.translation();
+  if (!(p.z() > kMinDepth_m)) return false;
+  Eigen::Matrix<double, 2, 3> J_point;
+  residual_px = point.px - camera.project(p, &J_point);
+  J_pose.leftCols<3>() = -J_point * so3::skew(turned);
+  J_pose.rightCols<3>() = J_point;
+  J_hand_m = J_point * T.linear();
+  return residual_px.allFinite();
+}
+
+std::optional<FittedPose> refine(const PosePoints& points, const Camera& camera, double huber,
+                                 const Eigen::Isometry3d& start) {
+  Eigen::Isometry3d T = start;
+  Linearised at;
+  double damping = 1e-4;
+  for (int i = 0; i < kMaxIterations && damping < 1e6; ++i) {
+    if (!linearise(points, camera, huber, T, at)) return std::nullopt;
+    Matrix6d damped = at.H;
+    damped.diagonal() *= 1 + damping;
+    const Vector6d step = damped.ldlt().solve(at.g);
+    if (!step.allFinite()) return std::nullopt;
+    const Eigen::Isometry3d next = moved(T, step);
+    const double gain = at.g.dot(step);  // in squared standard deviations, to first order
+    if (cost_at(points, camera, huber, next, at) > at.cost && gain > 1e-12) {
+      damping *= 10;
+      continue;
+    }
+    T = next;
+    damping = std::max(1e-9, damping * 0.1);
+    if (gain < 1e-8) break;
+  }
+  return fit_at(points, camera, huber, T);
+}
+
+double spread_rad(const PosePoint& point, const Camera& camera, const Eigen::Isometry3d& T) {
+  Eigen::Vector2d r;
+  Eigen::Matrix<double, 2, 6> J;
+  Eigen::Matrix<double, 2, 3> J_hand;
+  if (!reprojection(point, camera, T, r, J, J_hand)) return 0;
+  Eigen::Matrix2d S = J_hand * point.covariance_m2 * J_hand.transpose();
+  S.diagonal().array() += point.sigma_px * point.sigma_px;
+  const Eigen::Vector2d j = J_hand * point.per_spread_m;
+  return point.spread_sigma_rad * point.spread_sigma_rad * j.dot(S.inverse() * r);
+}
+
+}  // namespace handyar

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace handyar::so3 {
+
+/// [v]x, with [v]x a = v x a.
+inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d S;
+  S << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return S;
+}
+
+/// Rotation by |w| about w.
+inline Eigen::Quaterniond exp(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  const double k = angle < 1e-6 ? 0.5 - angle * angle / 48 : std::sin(0.5 * angle) / angle;
+  const Eigen::Vector3d v = k * w;
+  return {std::cos(0.5 * angle), v.x(), v.y(), v.z()};
+}
+
+/// Rotation vector of least length, at most pi.
+inline Eigen::Vector3d log(const Eigen::Quaterniond& q) {
+  const double s = q.vec().norm(), c = std::abs(q.w());
+  const double k = s < 1e-9 ? 2.0 : 2 * std::atan2(s, c) / s;
+  return (q.w() < 0 ? -k : k) * q.vec();
+}
+inline Eigen::Vector3d log(const Eigen::Matrix3d& R) { return log(Eigen::Quaterniond(R)); }
+
+}  // namespace handyar::so3

@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/pose.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "handyar/planar_pose.hpp"
+#include "synthetic_hand.hpp"
+
+namespace handyar {
+namespace {
+
+using test::deg;
+using test::hand_at;
+using test::rendered_camera;
+using test::rendered_hand;
+
+HandModel without_valleys(HandModel hand) {
+  hand.has_valleys = false;
+  return hand;
+}
+
+Camera distorted_camera() {
+  Camera c = rendered_camera();
+  c.distortion = {-0.21, 0.09, 0.0012, -0.0007, -0.01};
+  return c;
+}
+
+PoseConfig tips_config() {
+  PoseConfig c;
+  c.method = PoseMethod::tips;
+  return c;
+}
+
+/// Turns each finger about a knuckle 100 mm behind its tip, towards the thumb (at +x).
+HandModel with_spread(HandModel hand, const std::array<double, kFingerCount>& towards_thumb_rad) {
+  const std::array<Eigen::Vector2d, kFingerCount> knuckles_m{
+      {{0.019, -0.067}, {0.019, -0.003}, {-0.001, -0.006}, {-0.021, -0.009}, {-0.041, -0.012}}};
+  for (int i = 0; i < kFingerCount; ++i) {
+    const Eigen::Vector2d tip_m = hand.tips_m.col(i).head<2>();
+    hand.tips_m.col(i).head<2>() =
+        knuckles_m[i] + Eigen::Rotation2Dd(-towards_thumb_rad[i]) * (tip_m - knuckles_m[i]);
+  }
+  return hand;
+}
+
+TEST(PlanarPose, FindsTheExactPoseAmongItsTwo) {
+  std::array<Eigen::Vector2d, 5> plane, image;
+  const Camera camera = rendered_camera();
+  for (double tilt : {0.0, 5.0, 20.0, 45.0, 70.0})
+    for (double axis = 0; axis < 360; axis += 40) {
+      const Eigen::Isometry3d truth = hand_at(0.45, deg(tilt), deg(axis), {0.05, 0.02});
+      for (int i = 0; i < 5; ++i) {
+        plane[i] = rendered_hand().tips_m.col(i).head<2>();
+        const Eigen::Vector3d p(plane[i].x(), plane[i].y(), 0);
+        image[i] = camera.unproject(camera.project(truth * p));
+      }
+      const auto poses = solve_planar(plane, image);
+      ASSERT_TRUE(poses) << tilt << ' ' << axis;
+      const Eigen::Isometry3d& T = (*poses)[0].T_camera_plane;
+      EXPECT_LT(test::rotation_error_rad(T, truth), 1e-6) << tilt << ' ' << axis;
+      EXPECT_LT(test::translation_error_m(T, truth), 1e-7) << tilt << ' ' << axis;
+      EXPECT_LT((*poses)[0].rms, 1e-9);
+      EXPECT_GE((*poses)[1].rms, (*poses)[0].rms);
+    }
+}
+
+TEST(PlanarPose, TheOtherSolutionIsTheMirroredTilt) {
+  std::array<Eigen::Vector2d, 5> plane, image;
+  const Eigen::Isometry3d truth = hand_at(0.9, deg(20), deg(30));
+  for (int i = 0; i < 5; ++i) {
+    plane[i] = rendered_hand().tips_m.col(i).head<2>();
+    image[i] = (truth * Eigen::Vector3d(plane[i].x(), plane[i].y(), 0)).hnormalized();
+  }
+  const auto poses = solve_planar(plane, image);
+  ASSERT_TRUE(poses);
+  const double apart =
+      test::rotation_error_rad((*poses)[0].T_camera_plane, (*poses)[1].T_camera_plane);
+  EXPECT_NEAR(apart, deg(40), deg(4));
+}
+
+TEST(PlanarPose, RefusesWhatDoesNotDetermineAPlane) {
+  const std::array<Eigen::Vector2d, 4> square{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+  const std::array<Eigen::Vector2d, 4> line{{{0, 0}, {1, 1}, {2, 2}, {3, 3}}};
+  const std::array<Eigen::Vector2d, 4> three_on_a_line{{{0, 0}, {1, 0}, {2, 0}, {0, 1}}};
+  std::array<Eigen::Vector2d, 4> nan = square;
+  nan[2].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(solve_planar(square, square));
+  EXPECT_FALSE(solve_planar(std::span(square).first(3), std::span(square).first(3)));
+  EXPECT_FALSE(solve_planar(square, std::span(square).first(3)));
+  EXPECT_FALSE(solve_planar(line, square));
+  EXPECT_FALSE(solve_planar(square, line));
+  EXPECT_FALSE(solve_planar(three_on_a_line, three_on_a_line));
+  EXPECT_FALSE(solve_planar(nan, square));
+  EXPECT_FALSE(solve_planar(square, nan));
+}
+
+struct Case {
+  PoseMethod method;
+  bool valleys;
+  bool distortion;
+  Layout layout;
+};
+
+class ExactPose : public testing::TestWithParam<Case> {};
+
+TEST_P(ExactPose, IsRecoveredWithoutNoise) {
+  const Case c = GetParam();
+  HandModel hand = rendered_hand().for_layout(c.layout);
+  hand.has_valleys = c.valleys;
+  const Camera camera = c.distortion ? distorted_camera() : rendered_camera();
+  PoseConfig config;
+  config.method = c.method;
+  for (double tilt : {10.0, 30.0, 60.0})
+    for (double axis = 0; axis < 360; axis += 45)
+      for (double distance_m : {0.25, 0.45, 0.9}) {
+        const Eigen::Isometry3d truth = hand_at(distance_m, deg(tilt), deg(axis));
+        HandObservation seen = test::project(hand, camera, truth);
+        const auto pose = estimate_pose(seen, hand, camera, config);
+        ASSERT_TRUE(pose) << tilt << ' ' << axis << ' ' << distance_m;
+        EXPECT_LT(test::rotation_error_rad(pose->T_camera_hand, truth), 1e-6)
+            << tilt << ' ' << axis << ' ' << distance_m;
+        EXPECT_LT(test::translation_error_m(pose->T_camera_hand, truth), 1e-6);
+        EXPECT_LT(pose->rms_px, 1e-4);
+        EXPECT_LT(pose->ambiguity, 0.01);
+        EXPECT_EQ(pose->points_used, c.method == PoseMethod::points && c.valleys ? 9 : 5);
+        for (double spread : pose->spread_rad) EXPECT_NEAR(spread, 0.0, 1e-5);
+        EXPECT_TRUE(pose->covariance.ldlt().isPositive());
+      }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, ExactPose,
+                         testing::Values(Case{PoseMethod::tips, false, false, Layout::thumb_right},
+                                         Case{PoseMethod::tips, false, true, Layout::thumb_left},
+                                         Case{PoseMethod::points, false, true, Layout::thumb_right},
+                                         Case{PoseMethod::points, true, false, Layout::thumb_left},
+                                         Case{PoseMethod::points, true, true,
+                                              Layout::thumb_right}));
+
+TEST(Pose, FourOfFiveTipsAreEnough) {
+  const HandModel hand = without_valleys(rendered_hand());
+  const Eigen::Isometry3d truth = hand_at(0.45, deg(35), deg(70));
+  for (int missing = 0; missing < kFingerCount; ++missing)
+    for (PoseMethod method : {PoseMethod::tips, PoseMethod::points}) {
+      PoseConfig config;
+      config.method = method;
+      HandObservation seen = test::project(hand, rendered_camera(), truth);
+      seen.tips[missing].seen = false;
+      const auto pose = estimate_pose(seen, hand, rendered_camera(), config);
+      ASSERT_TRUE(pose) << missing;
+      EXPECT_LT(test::rotation_error_rad(pose->T_camera_hand, truth), 1e-6) << missing;
+      EXPECT_EQ(pose->points_used, 4);
+    }
+}
+
+TEST(Pose, RefusesDegenerateInput) {
+  const HandModel hand = rendered_hand(), bare = without_valleys(hand);
+  const Camera camera = rendered_camera();
+  const HandObservation good = test::project(hand, camera, hand_at(0.45, deg(30), 0));
+  ASSERT_TRUE(estimate_pose(good, bare, camera));
+
+  HandObservation three = good;
+  three.tips[0].seen = three.tips[4].seen = false;
+  EXPECT_FALSE(estimate_pose(three, bare, camera)) << "three tips";
+  EXPECT_TRUE(estimate_pose(three, hand, camera)) << "three tips and four valleys";
+  EXPECT_FALSE(estimate_pose(three, hand, camera, tips_config()));
+
+  HandObservation nan = good;
+  nan.tips[1].px.y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(estimate_pose(nan, bare, camera));
+  nan = good;
+  nan.tips[1].sigma_px = 0;
+  EXPECT_FALSE(estimate_pose(nan, bare, camera));
+
+  HandObservation line = good, one_place = good;
+  for (int i = 0; i < kFingerCount; ++i) {
+    line.tips[i].px = Eigen::Vector2d(100 + 50 * i, 120 + 30 * i);
+    one_place.tips[i].px = Eigen::Vector2d(320, 240);
+  }
+  EXPECT_FALSE(estimate_pose(line, bare, camera));
+  EXPECT_FALSE(estimate_pose(one_place, bare, camera));
+
+  HandModel no_hand = bare;
+  no_hand.tips_m.setZero();
+  EXPECT_FALSE(estimate_pose(good, no_hand, camera));
+  no_hand.tips_m.setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_FALSE(estimate_pose(good, no_hand, camera));
+}
+
+TEST(Pose, TheWrongLayoutShowsItsBackAndIsRefused) {
+  const HandModel hand = rendered_hand();
+  const HandObservation seen =
+      test::project(hand, rendered_camera(), hand_at(0.45, deg(30), deg(20)));
+  EXPECT_FALSE(estimate_pose(seen, hand.for_layout(Layout::thumb_left), rendered_camera()));
+}
+
+TEST(Pose, NeverGivesNaNWhateverIsSeen) {
+  auto rng = test::random_for("Pose.NeverGivesNaNWhateverIsSeen");
+  std::uniform_real_distribution<double> anywhere(-100, 700);
+  const HandModel hand = rendered_hand();
+  int poses = 0;
+  for (int i = 0; i < 2000; ++i) {
+    HandObservation seen;
+    for (ObservedPoint& p : seen.tips) p = {{anywhere(rng), anywhere(rng)}, 1.0, true};
+    for (ObservedPoint& p : seen.valleys) p = {{anywhere(rng), anywhere(rng)}, 1.0, true};
+    const auto pose = estimate_pose(seen, i % 2 ? hand : without_valleys(hand), rendered_camera());
+    if (!pose) continue;
+    ++poses;
+    ASSERT_TRUE(pose->T_camera_hand.matrix().allFinite());
+    ASSERT_TRUE(pose->covariance.allFinite());
+    ASSERT_NEAR(pose->T_camera_hand.linear().determinant(), 1.0, 1e-9);
+    ASSERT_GT(pose->covariance.ldlt().vectorD().minCoeff(), 0.0);
+    ASSERT_GT(pose->reduced_chi2, 1.0);
+  }
+  EXPECT_GT(poses, 50);
+}
+
+/// A pose known to be near `T`.
+PosePrior expecting(const Eigen::Isometry3d& T, double sigma_rad, double sigma_m) {
+  PosePrior prior;
+  prior.prediction.emplace();
+  prior.prediction->T_camera_hand = T;
+  prior.prediction->covariance.diagonal() << Eigen::Vector3d::Constant(sigma_rad * sigma_rad),
+      Eigen::Vector3d::Constant(sigma_m * sigma_m);
+  return prior;
+}
+
+Eigen::Isometry3d disturbed(const Eigen::Isometry3d& T, double sigma_rad, double sigma_m,
+                            std::mt19937& rng) {
+  Eigen::Isometry3d result = T;
+  const Eigen::Vector3d w = test::gauss3(rng, sigma_rad);
+  result.linear() = Eigen::AngleAxisd(w.norm(), w.normalized()) * T.linear();
+  result.translation() += test::gauss3(rng, sigma_m);
+  return result;
+}
+
+/// Share of estimates for which the other planar solution, the one that truth itself would have
+/// chosen, was the right one.
+double flipped_share(const HandModel& hand, const PoseConfig& config, bool predicted,
+                     std::mt19937& rng) {
+  const int n = 1000;
+  int flipped = 0;
+  std::uniform_real_distribution<double> axis(0, 2 * std::numbers::pi);
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Isometry3d truth = hand_at(0.45, deg(15), axis(rng));
+    HandObservation seen = test::project(rendered_hand(), rendered_camera(), truth);
+    test::add_noise(seen, 1.0, rng);
+    const PosePrior prior =
+        predicted ? expecting(disturbed(truth, deg(3), 0.003, rng), deg(3), 0.003) : PosePrior{};
+    const auto pose = estimate_pose(seen, hand, rendered_camera(), config, prior);
+    const auto best =
+        estimate_pose(seen, hand, rendered_camera(), config, expecting(truth, deg(1), 0.001));
+    if (!pose || !best) return 1.0;
+    const double error = test::rotation_error_rad(pose->T_camera_hand, truth);
+    const double least = test::rotation_error_rad(best->T_camera_hand, truth);
+    if (error > deg(15) && error > least + deg(5)) ++flipped;
+  }
+  return static_cast<double>(flipped) / n;
+}
+
+TEST(Ambiguity, FlipsAreRareAndAPredictionEndsThem) {
+  auto rng = test::random_for("Ambiguity.FlipsAreRareAndAPredictionEndsThem");
+  const HandModel hand = rendered_hand(), bare = without_valleys(hand);
+  EXPECT_LT(flipped_share(hand, {}, false, rng), 0.02);
+  EXPECT_EQ(flipped_share(hand, {}, true, rng), 0.0);
+  EXPECT_LT(flipped_share(bare, tips_config(), false, rng), 0.03);
+  EXPECT_EQ(flipped_share(bare, tips_config(), true, rng), 0.0);
+  EXPECT_EQ(flipped_share(bare, {}, true, rng), 0.0);
+}
+
+TEST(Ambiguity, IsReported) {
+  const HandModel hand = rendered_hand();
+  auto rng = test::random_for("Ambiguity.IsReported");
+  double near_small = 0, far_small = 0;
+  for (int i = 0; i < 50; ++i)
+    for (double distance_m : {0.3, 1.5}) {
+      HandObservation seen =
+          test::project(hand, rendered_camera(), hand_at(distance_m, deg(30), deg(7 * i)));
+      test::add_noise(seen, 1.0, rng);
+      const auto pose = estimate_pose(seen, hand, rendered_camera());
+      ASSERT_TRUE(pose);
+      (distance_m < 1 ? near_small : far_small) += pose->ambiguity / 50;
+    }
+  EXPECT_LT(near_small, 0.35);
+  EXPECT_GT(far_small, near_small + 0.2);
+}
+
+TEST(Spread, IsMeasuredAndTakenOutOfThePose) {
+  const HandModel hand = rendered_hand();
+  const std::array<double, kFingerCount> turned{deg(4), deg(-3), deg(2), deg(-3), deg(3)};
+  const HandModel respread = with_spread(hand, turned);
+  for (Layout layout : {Layout::thumb_right, Layout::thumb_left}) {
+    const Eigen::Isometry3d truth = hand_at(0.45, deg(30), deg(60));
+    const HandObservation seen =
+        test::project(respread.for_layout(layout), rendered_camera(), truth);
+    const auto rigid =
+        estimate_pose(seen, hand.for_layout(layout), rendered_camera(), tips_config());
+    const auto pose = estimate_pose(seen, hand.for_layout(layout), rendered_camera());
+    ASSERT_TRUE(rigid && pose);
+    for (int i = 0; i < kFingerCount; ++i)
+      EXPECT_NEAR(pose->spread_rad[i], turned[i], deg(1.2)) << kFingerNames[i];
+    EXPECT_LT(test::rotation_error_rad(pose->T_camera_hand, truth), deg(2.0));
+    EXPECT_LT(test::translation_error_m(pose->T_camera_hand, truth), 0.003);
+    EXPECT_LT(test::rotation_error_rad(pose->T_camera_hand, truth),
+              0.5 * test::rotation_error_rad(rigid->T_camera_hand, truth));
+    for (double spread : rigid->spread_rad) EXPECT_EQ(spread, 0.0);
+  }
+}
+
+TEST(Spread, WithoutValleysTheCovarianceIsLarger) {
+  const HandModel hand = rendered_hand();
+  const HandObservation seen =
+      test::project(hand, rendered_camera(), hand_at(0.45, deg(30), deg(60)));
+  const auto with = estimate_pose(seen, hand, rendered_camera());
+  const auto without = estimate_pose(seen, without_valleys(hand), rendered_camera());
+  const auto rigid = estimate_pose(seen, without_valleys(hand), rendered_camera(), tips_config());
+  ASSERT_TRUE(with && without && rigid);
+  EXPECT_GT(sigma_rotation_rad(without->covariance), 1.2 * sigma_rotation_rad(with->covariance));
+  EXPECT_GT(sigma_rotation_rad(without->covariance), 1.2 * sigma_rotation_rad(rigid->covariance));
+}
+
+struct Consistency {
+  double nees = 0;  ///< mean of the normalised squared error: 6 when the covariance is true
+  double reduced_chi2 = 0;
+};
+
+/// Mean over views of 45 degrees of tilt of a hand that is uncertain exactly as the settings say.
+Consistency consistency(bool valleys, PoseMethod method, int n, std::mt19937& rng) {
+  PoseConfig config;
+  config.method = method;
+  HandModel hand = rendered_hand();
+  hand.has_valleys = valleys;
+  const double spread_sigma_rad = method == PoseMethod::tips ? 0.0 : config.spread_sigma_rad;
+  std::uniform_real_distribution<double> axis(0, 2 * std::numbers::pi);
+  Consistency sum;
+  for (int i = 0; i < n; ++i) {
+    std::array<double, kFingerCount> turned;
+    for (double& t : turned) t = test::gauss(rng, spread_sigma_rad);
+    HandModel actual = with_spread(hand, turned);
+    for (int k = 0; k < kFingerCount; ++k)
+      actual.tips_m(2, k) += test::gauss(rng, config.relief_sigma_m);
+    for (int k = 0; k < kValleyCount; ++k)
+      actual.valleys_m.col(k) += Eigen::Vector3d(test::gauss(rng, config.valley_sigma_m),
+                                                 test::gauss(rng, config.valley_sigma_m),
+                                                 test::gauss(rng, config.relief_sigma_m));
+    const Eigen::Isometry3d truth = hand_at(0.45, deg(45), axis(rng));
+    HandObservation seen = test::project(actual, rendered_camera(), truth);
+    test::add_noise(seen, 0.5, rng);
+    // A weak prior: which of the planar solutions it is, no more.
+    const PosePrior prior = expecting(truth, deg(10), 0.03);
+    const auto pose = estimate_pose(seen, hand, rendered_camera(), config, prior);
+    if (!pose) continue;
+    const auto error = test::pose_error(truth, pose->T_camera_hand);
+    sum.nees += error.dot(pose->covariance.ldlt().solve(error)) / n;
+    sum.reduced_chi2 += pose->reduced_chi2 / n;
+  }
+  return sum;
+}
+
+TEST(Covariance, TellsTheTruth) {
+  auto rng = test::random_for("Covariance.TellsTheTruth");
+  // Inflation by chi2 only ever enlarges, so the mean lies below 6; with 600 samples the 95 % band
+  // of a perfect covariance would be 6 +- 0.28.
+  for (const auto& [valleys, method] :
+       {std::pair{true, PoseMethod::points}, std::pair{false, PoseMethod::points},
+        std::pair{false, PoseMethod::tips}}) {
+    const Consistency c = consistency(valleys, method, 600, rng);
+    EXPECT_GT(c.nees, 3.0) << valleys << int(method);
+    EXPECT_LT(c.nees, 6.5) << valleys << int(method);
+    EXPECT_NEAR(c.reduced_chi2, 1.0, 0.15) << valleys << int(method);
+  }
+}
+
+TEST(Covariance, GrowsWithOneWrongTip) {
+  auto rng = test::random_for("Covariance.GrowsWithOneWrongTip");
+  const HandModel hand = without_valleys(rendered_hand());
+  std::uniform_real_distribution<double> axis(0, 2 * std::numbers::pi);
+  int confident = 0;
+  const int n = 300;
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Isometry3d truth = hand_at(0.45, deg(35), axis(rng));
+    HandObservation seen = test::project(hand, rendered_camera(), truth);
+    test::add_noise(seen, 0.7, rng);
+    const double direction = axis(rng);
+    seen.tips[i % 5].px += 25 * Eigen::Vector2d(std::cos(direction), std::sin(direction));
+    const auto pose = estimate_pose(seen, hand, rendered_camera());
+    if (!pose) continue;
+    const bool wrong = test::rotation_error_rad(pose->T_camera_hand, truth) > deg(8);
+    if (wrong && sigma_rotation_rad(pose->covariance) < deg(3)) ++confident;
+  }
+  // With five tips a wrong thumb or little finger can look exactly like another pose: those few
+  // cannot be told from one frame.
+  EXPECT_LE(confident, n / 12);
+}
+
+TEST(Covariance, OneWrongPointAmongNineIsLeftOut) {
+  auto rng = test::random_for("Covariance.OneWrongPointAmongNineIsLeftOut");
+  const HandModel hand = rendered_hand();
+  std::uniform_real_distribution<double> axis(0, 2 * std::numbers::pi);
+  int good = 0;
+  const int n = 100;
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Isometry3d truth = hand_at(0.45, deg(35), axis(rng));
+    HandObservation seen = test::project(hand, rendered_camera(), truth);
+    test::add_noise(seen, 0.7, rng);
+    const double direction = axis(rng);
+    ObservedPoint& wrong = i % 9 < 5 ? seen.tips[i % 9] : seen.valleys[i % 9 - 5];
+    wrong.px += 60 * Eigen::Vector2d(std::cos(direction), std::sin(direction));
+    const auto pose = estimate_pose(seen, hand, rendered_camera());
+    if (pose && test::rotation_error_rad(pose->T_camera_hand, truth) < deg(4)) ++good;
+  }
+  EXPECT_GE(good, 95);
+}
+
+TEST(Relief, TheMirroredOneTiltsTheHandAndTheMeanSaysSo) {
+  const HandModel hand = rendered_hand();
+  HandModel palm = hand;
+  palm.tips_m.row(2) *= -1;
+  palm.valleys_m.row(2) *= -1;
+  const Eigen::Isometry3d truth = hand_at(0.45, deg(40), deg(60));
+  const HandObservation seen = test::project(palm, rendered_camera(), truth);
+  PosePrior model, mirrored, unknown;
+  mirrored.relief_probability = 0;
+  unknown.relief_probability = 0.5;
+  const auto wrong = estimate_pose(seen, hand, rendered_camera(), {}, model);
+  const auto right = estimate_pose(seen, hand, rendered_camera(), {}, mirrored);
+  const auto mean = estimate_pose(seen, hand, rendered_camera(), {}, unknown);
+  ASSERT_TRUE(wrong && right && mean);
+  EXPECT_LT(test::rotation_error_rad(right->T_camera_hand, truth), 1e-6);
+  const double error = test::rotation_error_rad(wrong->T_camera_hand, truth);
+  EXPECT_GT(error, deg(1.0));
+  EXPECT_NEAR(test::rotation_error_rad(mean->T_camera_hand, truth), 0.5 * error, 0.01 * error);
+  EXPECT_GT(sigma_rotation_rad(mean->covariance), sigma_rotation_rad(right->covariance));
+  EXPECT_LT(mean->relief_log_ratio, 0.0) << "the mirrored relief fits better";
+  EXPECT_EQ(wrong->relief_log_ratio, 0.0);
+}
+
+}  // namespace
+}  // namespace handyar
