@@ -9,16 +9,23 @@ namespace {
 
 enum ChannelIndex {
   kSkin,
-  kSkinDark,
   kPrior,
-  kPriorDark,
-  kScene,
+  kScene,  // log likelihood ratios, eighths of a nat
   kLuma,
-  kDark,
   kRed,
-  kBlue,
+  kBlue,  // plain differences of the colours
+  kDark,
+  kNotRed,
+  kNotBlue,  // and their negatives: a hand may lie on either side of a threshold
+  kPatch,
   kChannels
 };
+
+// Patches are compared at 16 levels a channel: they hold few pixels.
+constexpr int kCoarseLevels = 16, kCoarseCount = kCoarseLevels * kCoarseLevels * kCoarseLevels;
+constexpr int kPatchColumns = 10, kPatchRows = 8, kTriedPatches = 24;
+
+int coarse(int bin) { return (bin >> 11) << 8 | ((bin >> 6) & 15) << 4 | ((bin >> 1) & 15); }
 
 struct Rgb {
   int r, g, b;
@@ -43,12 +50,17 @@ HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fi
       channels_(kChannels),
       scene_(kBinCount),
       scratch_(kBinCount),
-      smooth_(kBinCount) {}
+      smooth_(kBinCount),
+      scene_coarse_(kCoarseCount),
+      patch_(kCoarseCount),
+      patch_smooth_(kCoarseCount) {}
 
 void HandSearch::reserve(int max_pixels) {
   region_.reserve(max_pixels);
   contour_.reserve(1 << 13);
 }
+
+void HandSearch::reset() noexcept { next_ = 0; }
 
 void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexcept {
   if (!fixed_channels_ready_) {
@@ -57,9 +69,10 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
       const Rgb p = rgb_of(i, space_);
       const double luma = 0.299 * p.r + 0.587 * p.g + 0.114 * p.b;
       channels_[kLuma][i] = clamp8(luma - 128);
-      channels_[kDark][i] = clamp8(127 - luma);
       channels_[kRed][i] = clamp8(p.r - p.g);
-      channels_[kBlue][i] = clamp8(0.5 * (p.r + p.g) - p.b);
+      channels_[kBlue][i] = clamp8(p.b - 0.5 * (p.r + p.g));
+      for (const int c : {kLuma, kRed, kBlue})
+        channels_[c + kDark - kLuma][i] = static_cast<std::int8_t>(-channels_[c][i]);
       channels_[kPrior][i] = clamp8(skin.prior_other()[i] - skin.prior_skin()[i]);
     }
   }
@@ -68,9 +81,12 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
   smooth_histogram(scene_, scratch_, smooth_);
   const float total = static_cast<float>(image.used().size());
   std::ranges::copy(skin.ratios(), channels_[kSkin].begin());
-  for (int i = 0; i < kBinCount; ++i)
+  std::ranges::fill(scene_coarse_, 0.0f);
+  for (int i = 0; i < kBinCount; ++i) {
+    scene_coarse_[coarse(i)] += smooth_[i] / total;
     channels_[kScene][i] =
         clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(smooth_[i] / total, 1e-6f)));
+  }
 }
 
 void HandSearch::add_levels(int channel, int levels) noexcept {
@@ -98,14 +114,74 @@ void HandSearch::add_levels(int channel, int levels) noexcept {
     for (k = 0; k <= levels; ++k)
       if (weight[k] > 0) center[k] = sum[k] / weight[k];
   }
-  for (int k = 0; k < levels; ++k)
-    readings_[reading_count_++] = {channel,
-                                   static_cast<int>(0.5f * (center[k] + center[k + 1])) - 128};
+  for (int k = 0; k < levels; ++k) {
+    const int cut = static_cast<int>(0.5f * (center[k] + center[k + 1])) - 128;
+    readings_[reading_count_++] = {channel, cut};
+    readings_[reading_count_++] = {channel + kDark - kLuma, -cut};
+  }
+}
+
+void HandSearch::list_readings(const BinImage& image) noexcept {
+  reading_count_ = 0;
+  const auto add = [&](const Reading& r) { readings_[reading_count_++] = r; };
+  for (const int t : {0, 8, -8}) add({kSkin, t});
+  for (const int t : {-8, 0, 8, 16}) add({kPrior, t});
+  for (const int t : {-16, -12, -8, -4, 0, 8}) add({kScene, t});
+  for (const int channel : {kLuma, kRed, kBlue}) add_levels(channel, 5);
+  // Patches, the most skin-like first; the darkest hand is still likelier skin than most things.
+  std::array<std::pair<float, int>, kPatchColumns * kPatchRows> patches;
+  for (int p = 0; p < static_cast<int>(patches.size()); ++p) {
+    const int u0 = p % kPatchColumns * image.width / kPatchColumns;
+    const int v0 = p / kPatchColumns * image.height / kPatchRows;
+    float sum = 0;
+    for (int v = v0; v < v0 + image.height / kPatchRows; v += 4)
+      for (int u = u0; u < u0 + image.width / kPatchColumns; u += 4)
+        sum += channels_[kPrior][image.bins[static_cast<std::size_t>(v) * image.width + u]];
+    patches[p] = {-sum, p};
+  }
+  std::ranges::sort(patches);
+  for (int k = 0; k < kTriedPatches; ++k) add({kPatch, 0, patches[k].second});
+  // Interleave, so that a frame's turn holds readings of every kind.
+  constexpr int kStride = 7;
+  std::array<Reading, 128> mixed;
+  for (int start = 0, k = 0; start < kStride; ++start)
+    for (int i = start; i < reading_count_; i += kStride) mixed[k++] = readings_[i];
+  std::copy_n(mixed.begin(), reading_count_, readings_.begin());
+}
+
+/// Fills the patch channel: colours of a patch against those of the whole frame.
+void HandSearch::read_patch(const BinImage& image, int patch) noexcept {
+  const int width = image.width / kPatchColumns, height = image.height / kPatchRows;
+  const int u0 = patch % kPatchColumns * width, v0 = patch / kPatchColumns * height;
+  std::ranges::fill(patch_, 0.0f);
+  for (int v = v0; v < v0 + height; ++v)
+    for (int u = u0; u < u0 + width; ++u)
+      patch_[coarse(image.bins[static_cast<std::size_t>(v) * image.width + u])] += 1;
+  // One level around each colour.
+  for (int stride = 1; stride < kCoarseCount; stride *= kCoarseLevels) {
+    for (int i = 0; i < kCoarseCount; ++i) {
+      const int level = i / stride % kCoarseLevels;
+      const float below = level > 0 ? patch_[i - stride] : patch_[i];
+      const float above = level < kCoarseLevels - 1 ? patch_[i + stride] : patch_[i];
+      patch_smooth_[i] = 0.25f * below + 0.5f * patch_[i] + 0.25f * above;
+    }
+    patch_.swap(patch_smooth_);
+  }
+  const float total = static_cast<float>(width * height);
+  std::array<std::int8_t, kCoarseCount> ratio;
+  for (int i = 0; i < kCoarseCount; ++i)
+    ratio[i] = patch_[i] / total > 1.5f * scene_coarse_[i] + 1e-4f ? 1 : -1;
+  for (int i = 0; i < kBinCount; ++i) channels_[kPatch][i] = ratio[coarse(i)];
+}
+
+void HandSearch::classify(const BinImage& image, const Reading& reading) noexcept {
+  if (reading.patch >= 0) read_patch(image, reading.patch);
+  region_.classify(image, channels_[reading.channel], reading.threshold, false);
 }
 
 bool HandSearch::try_reading(const BinImage& image, const Reading& reading, HandShape& best,
                              Component& best_component) noexcept {
-  region_.classify(image, channels_[reading.channel], reading.threshold, false);
+  classify(image, reading);
   const int pixels = image.width * image.height;
   const auto components = region_.components(static_cast<int>(config_.min_area_share * pixels));
   bool found = false;
@@ -136,22 +212,17 @@ bool HandSearch::find(const BinImage& image, ColorSpace space, const SkinModel& 
     fixed_channels_ready_ = false;
   }
   read_scene(image, skin);
-  reading_count_ = 0;
-  for (const int t : {0, 8, -8}) readings_[reading_count_++] = {kSkin, t};
-  for (const int t : {-8, 0, 8, 16}) readings_[reading_count_++] = {kPrior, t};
-  for (const int t : {-16, -8, 0, 8, 16}) readings_[reading_count_++] = {kScene, t};
-  add_levels(kLuma, 5);
-  add_levels(kDark, 5);
-  add_levels(kRed, 5);
-  add_levels(kBlue, 5);
-  winner_ = -1;
+  list_readings(image);
   shape.residual = static_cast<float>(shape_config_.max_residual);
   Component component;
-  for (int i = 0; i < reading_count_; ++i)
-    if (try_reading(image, readings_[i], shape, component)) winner_ = i;
-  if (winner_ < 0) return false;
-  region_.classify(image, channels_[readings_[winner_].channel], readings_[winner_].threshold,
-                   false);
+  int winner = -1;
+  for (int k = 0; k < std::min(config_.readings_per_frame, reading_count_); ++k) {
+    const int i = (next_ + k) % reading_count_;
+    if (try_reading(image, readings_[i], shape, component)) winner = i;
+  }
+  next_ = (next_ + config_.readings_per_frame) % reading_count_;
+  if (winner < 0) return false;
+  classify(image, readings_[winner]);
   for (const Component& c : region_.components(component.area))
     if (c.label == component.label) component = c;
   region_.keep_only(component);

@@ -112,6 +112,42 @@ Eigen::Vector2f HandShape::finger_base(int finger) const noexcept {
   return 0.5f * (valleys[finger - 1] + valleys[finger]);
 }
 
+Eigen::AlignedBox2f HandShape::bounds() const noexcept {
+  Eigen::AlignedBox2f box(palm());
+  for (int f = 0; f < kFingerCount; ++f) box.extend(tips[f]);
+  for (const Eigen::Vector2f& p : {Eigen::Vector2f(-0.045f, -0.085f), {0.045f, -0.085f}})
+    box.extend(to_image(p));
+  for (int i = 0; i < kPoints; ++i) box.extend(to_image(hand_point(i, layout)));
+  return box;
+}
+
+bool HandShape::may_hold(const Eigen::Vector2f& p) const noexcept {
+  const Eigen::Matrix2f linear = image_hand.leftCols<2>();
+  const float det = linear(0, 0) * linear(1, 1) - linear(0, 1) * linear(1, 0);
+  const Eigen::Vector2f d = p - image_hand.col(2);
+  const Eigen::Vector2f p_hand_m((linear(1, 1) * d.x() - linear(0, 1) * d.y()) / det,
+                                 (linear(0, 0) * d.y() - linear(1, 0) * d.x()) / det);
+  constexpr float kForearmTop_m = -0.04f, kForearmHalfWidth_m = 0.075f;
+  if (p_hand_m.y() < kForearmTop_m && std::abs(p_hand_m.x()) < kForearmHalfWidth_m) return true;
+  const float palm_reach_m = 1.45f * kPalmRadius_m;
+  if ((p_hand_m - in_layout(kPalmCenter, layout)).squaredNorm() < palm_reach_m * palm_reach_m)
+    return true;
+  for (int f = 0; f < kFingerCount; ++f) {
+    const Eigen::Vector2f from = finger_base(f), along = tips[f] - from;
+    const float s = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0f, 1.0f);
+    if ((p - from - s * along).squaredNorm() < finger_width * finger_width) return true;
+  }
+  return false;
+}
+
+bool HandShape::resembles(const HandShape& other) const noexcept {
+  if (layout != other.layout) return false;
+  const float limit = 0.2f * (other.tips[0] - other.tips[4]).norm();
+  for (int f = 0; f < kFingerCount; ++f)
+    if ((tips[f] - other.tips[f]).norm() > limit) return false;
+  return true;
+}
+
 HandShape HandShape::transformed(float scale, const Eigen::Vector2f& offset) const noexcept {
   HandShape s = *this;
   for (auto& p : s.tips) p = scale * p + offset;

@@ -124,6 +124,7 @@ struct HandTracker::Impl {
   double tracked_s = -std::numeric_limits<double>::infinity();  // when it was last tracked
   double five_tips_s = 0;                                       // when all five tips were last seen
   int seen_frames = 0;
+  float acquired_residual = 1;  // of the search's best view of the hand that is being acquired
   double relief_log_ratio = 0;  // evidence that heights are the model's, not mirrored
 };
 
@@ -156,40 +157,41 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
   forget();
 }
 
-/// Searching: the whole frame at reduced size, by shape (paper 2.2).
+/// The whole frame at reduced size, by shape (paper 2.2). True when `shape` is new: a hand, or one
+/// more like a hand than the one that is being acquired.
 bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   const int longer = std::max(width_px, height_px);
-  const int step =
-      std::max(1, (longer + config.search.longer_side / 2) / config.search.longer_side);
+  const int step = (longer + config.search.longer_side / 2) / config.search.longer_side;
   read_bins(frame, {0, 0, width_px, height_px}, std::max(step, 2), search_bins);
   HandShape coarse;
   if (!search.find(search_bins, space, skin, coarse)) return false;
   const Eigen::Vector2f origin(float(search_bins.x_px(0)), float(search_bins.y_px(0)));
-  shape = coarse.transformed(static_cast<float>(search_bins.step_px), origin);
+  const HandShape candidate = coarse.transformed(static_cast<float>(search_bins.step_px), origin);
+  if (following) {
+    if (candidate.resembles(shape)) {
+      acquired_residual = std::min(acquired_residual, candidate.residual);
+      return false;
+    }
+    if (candidate.residual > 0.9f * acquired_residual) return false;
+  }
+  shape = candidate;
+  acquired_residual = candidate.residual;
   velocity_px_s.setZero();
   following = false;
+  skin = trusted_skin;
   learn(search_bins, search.region().mask(), coarse);
   return true;
 }
 
 PixelRect HandTracker::Impl::region_of_interest(double dt_s) const noexcept {
-  Eigen::Vector2f low = shape.palm(), high = low;
-  const auto include = [&](const Eigen::Vector2f& p) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  };
-  for (int f = 0; f < kFingerCount; ++f)
-    if (shape.tip_seen[f]) include(shape.tips[f]);
-  for (const float x : {-0.045f, 0.045f}) include(shape.to_image({x, -0.085f}));
-  for (const float x : {-0.075f, 0.095f}) include(shape.to_image({x, 0.0f}));
-  include(shape.to_image({0.0f, 0.095f}));
   const Eigen::Vector2f shift = static_cast<float>(dt_s) * velocity_px_s;
-  const float margin = 1.0f * shape.palm_radius() + 0.5f * shift.norm();
-  low += shift - Eigen::Vector2f::Constant(margin);
-  high += shift + Eigen::Vector2f::Constant(margin);
+  const float margin = shape.palm_radius() + 0.5f * shift.norm();
+  const Eigen::AlignedBox2f box = shape.bounds();
   const Eigen::Vector2f limit(static_cast<float>(width_px), static_cast<float>(height_px));
-  low = low.cwiseMax(0.0f).cwiseMin(limit);
-  high = high.cwiseMax(low).cwiseMin(limit);
+  const Eigen::Vector2f low =
+      (box.min() + shift - Eigen::Vector2f::Constant(margin)).cwiseMax(0.0f).cwiseMin(limit);
+  const Eigen::Vector2f high =
+      (box.max() + shift + Eigen::Vector2f::Constant(margin)).cwiseMax(low).cwiseMin(limit);
   return {static_cast<int>(low.x()), static_cast<int>(low.y()),
           static_cast<int>(std::ceil(high.x())) - static_cast<int>(low.x()),
           static_cast<int>(std::ceil(high.y())) - static_cast<int>(low.y())};
@@ -339,12 +341,25 @@ void HandTracker::Impl::learn(const BinImage& image, const Mask& mask,
   for (float y = -palm; y <= palm; y += 1.5f * spacing)
     for (float x = -palm; x <= palm; x += 1.5f * spacing)
       if (x * x + y * y < palm * palm) take(hand_shape.palm() + Eigen::Vector2f(x, y));
-  const int grid = std::max(2, static_cast<int>(hand_shape.finger_width / 5));
-  for (int v = grid; v < mask.height - grid; v += grid)
-    for (int u = grid; u < mask.width - grid; u += grid) {
-      const bool clear = !mask.at(u, v) && !mask.at(u - 2, v) && !mask.at(u + 2, v) &&
-                         !mask.at(u, v - 2) && !mask.at(u, v + 2);
-      if (clear && background_samples.size() < background_samples.capacity())
+  Eigen::AlignedBox2f around = hand_shape.bounds();
+  around.extend(
+      Eigen::Vector2f(around.min() - Eigen::Vector2f::Constant(hand_shape.palm_radius())));
+  around.extend(
+      Eigen::Vector2f(around.max() + Eigen::Vector2f::Constant(hand_shape.palm_radius())));
+  const int grid = std::max({2, static_cast<int>(hand_shape.finger_width / 5),
+                             static_cast<int>(std::sqrt(around.volume() / kMaxSamples)) + 1});
+  const int u0 = std::max(grid, int(around.min().x())), v0 = std::max(grid, int(around.min().y()));
+  const int u1 = std::min(mask.width - grid, int(around.max().x()));
+  const int v1 = std::min(mask.height - grid, int(around.max().y()));
+  const auto region_near = [&](int u, int v) {
+    return mask.at(u, v) || mask.at(u - 2, v) || mask.at(u + 2, v) || mask.at(u, v - 2) ||
+           mask.at(u, v + 2);
+  };
+  for (int v = v0; v < v1; v += grid)
+    for (int u = u0; u < u1; u += grid) {
+      // What hangs together with the hand and yet cannot be a part of it is background too.
+      if (region_near(u, v) && hand_shape.may_hold({float(u), float(v)})) continue;
+      if (background_samples.size() < background_samples.capacity())
         background_samples.push_back(image.bins[static_cast<std::size_t>(v) * image.width + u]);
     }
   skin.learn(hand_samples, background_samples);
@@ -413,9 +428,14 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
                       clock.time(times.matching_ms, [&] { return t.match(anew); });
     return seen;
   };
-  bool seen = t.following && look(false);
-  if (!seen && t.state != State::tracking)
-    seen = clock.time(times.segmentation_ms, [&] { return t.find_anywhere(frame); }) && look(true);
+  const auto search = [&] {
+    return clock.time(times.segmentation_ms, [&] { return t.find_anywhere(frame); });
+  };
+  bool seen = false;
+  if (t.state == State::acquiring && search()) seen = look(true);
+  if (!seen && t.following) seen = look(false);
+  if (!seen && (t.state == State::searching || t.state == State::lost) && search())
+    seen = look(true);
   t.advance(seen);
   result.state = t.state;
   t.contour_size = 0;

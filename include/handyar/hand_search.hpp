@@ -17,16 +17,20 @@ namespace handyar {
 struct HandSearchConfig {
   int longer_side = 320;          ///< frames are reduced to about this many pixels
   double min_area_share = 0.008;  ///< of the frame, for a region to be looked at
+  int readings_per_frame = 16;    ///< more find a hand sooner and cost more
 };
 
-/// Finds a hand without knowing its colour: several readings of the frame's colours (the skin
-/// model, the prior, the prior against this scene's own colours, brightness, redness), each cut at
-/// several thresholds, propose regions; the one whose contour is most like a hand wins.
+/// Finds a hand without knowing its colour (paper 2.1 and 2.2, but by shape rather than by one
+/// threshold). Every reading of the frame's colours proposes regions: the skin model, the prior,
+/// the prior against this scene's own colours, brightness, redness and blueness, each cut at
+/// several thresholds, and the colours of patches of the frame against the whole frame. The region
+/// whose contour is most like a hand wins. Readings take turns from frame to frame.
 class HandSearch {
  public:
   HandSearch(const HandSearchConfig& config, const FingertipConfig& fingertips,
              const HandShapeConfig& shape);
   void reserve(int max_pixels);
+  void reset() noexcept;
 
   /// True when a hand-like region was found. `shape` is then in pixels of `image`, and
   /// region().mask() holds its region alone.
@@ -34,16 +38,19 @@ class HandSearch {
             HandShape& shape) noexcept;
 
   const RegionFinder& region() const noexcept { return region_; }
-  int winner() const noexcept { return winner_; }
 
  private:
   using Channel = std::array<std::int8_t, kBinCount>;
   struct Reading {
-    int channel;
-    int threshold;
+    int channel = 0;
+    int threshold = 0;
+    int patch = -1;  ///< not a channel but the colours of this patch
   };
   void read_scene(const BinImage& image, const SkinModel& skin) noexcept;
+  void list_readings(const BinImage& image) noexcept;
   void add_levels(int channel, int levels) noexcept;
+  void read_patch(const BinImage& image, int patch) noexcept;
+  void classify(const BinImage& image, const Reading& reading) noexcept;
   bool try_reading(const BinImage& image, const Reading& reading, HandShape& best,
                    Component& best_component) noexcept;
 
@@ -54,9 +61,10 @@ class HandSearch {
   CurvatureFinder curvature_;
   std::vector<Channel> channels_;
   std::vector<float> scene_, scratch_, smooth_;
-  std::array<Reading, 64> readings_;
+  std::vector<float> scene_coarse_, patch_, patch_smooth_;
+  std::array<Reading, 128> readings_;
   int reading_count_ = 0;
-  int winner_ = -1;
+  int next_ = 0;  ///< whose turn it is
   ColorSpace space_ = ColorSpace::rgb;
   bool fixed_channels_ready_ = false;
 };

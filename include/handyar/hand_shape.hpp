@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <span>
 
@@ -37,6 +38,15 @@ struct HandShape {
   Eigen::Vector2f palm() const noexcept;                   ///< its centre, mask pixels
   float palm_radius() const noexcept;                      ///< mask pixels
   Eigen::Vector2f finger_base(int finger) const noexcept;  ///< where it leaves the hand
+
+  /// Box around fingers, palm and wrist.
+  Eigen::AlignedBox2f bounds() const noexcept;
+
+  /// True where the hand, or the forearm behind it, may be: near a finger, the palm or the wrist.
+  bool may_hold(const Eigen::Vector2f& p) const noexcept;
+
+  /// True when all tips lie within a fifth of the span of the other shape's, fingers the same.
+  bool resembles(const HandShape& other) const noexcept;
 
   /// The same shape in other pixels: p -> scale * p + offset.
   HandShape transformed(float scale, const Eigen::Vector2f& offset) const noexcept;
