@@ -158,6 +158,7 @@ PoseEstimate summarise(const Hypotheses& h, const PosePoints& points, const Came
   e.reduced_chi2 = h.reduced_chi2();
   e.points_used = points.count;
   e.covariance = best.covariance * std::max(1.0, e.reduced_chi2);
+  e.noise_covariance = best.noise_covariance * std::max(1.0, e.reduced_chi2);
   if (h.count == 2) {
     e.ambiguity = best.rms_px / std::max(h.pose[1].rms_px, 1e-12);
     const double probability = 1 / (1 + std::exp(0.5 * (h.deviance[1] - h.deviance[0])));

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "so3.hpp"
 
@@ -23,6 +24,7 @@ double huber_weight(double s2, double k) { return s2 <= k * k ? 1.0 : k / std::s
 struct Linearised {
   Matrix6d H = Matrix6d::Zero();  ///< J' W J
   Vector6d g = Vector6d::Zero();  ///< J' W r
+  Matrix6d N = Matrix6d::Zero();  ///< covariance of g from pixel noise
   double cost = 0, chi2 = 0, sum_px2 = 0;
   std::array<Eigen::Matrix2d, kMaxPosePoints> information;  ///< of each residual, per px^2
 };
@@ -43,6 +45,7 @@ bool linearise(const PosePoints& points, const Camera& camera, double huber,
     const Eigen::Matrix<double, 6, 2> JtW = J.transpose() * (huber_weight(s2, huber) * information);
     out.H.noalias() += JtW * J;
     out.g.noalias() += JtW * r;
+    out.N.noalias() += p.sigma_px * p.sigma_px * JtW * JtW.transpose();
     out.cost += huber_cost(s2, huber);
     out.chi2 += s2;
     out.sum_px2 += r.squaredNorm();
@@ -84,6 +87,7 @@ std::optional<FittedPose> fit_at(const PosePoints& points, const Camera& camera,
   fit.covariance = ldlt.solve(Matrix6d::Identity());
   fit.covariance = 0.5 * (fit.covariance + fit.covariance.transpose()).eval();
   if (!fit.covariance.allFinite()) return std::nullopt;
+  fit.noise_covariance = fit.covariance * at.N * fit.covariance;
   fit.deviance = at.cost;
   fit.chi2 = at.chi2;
   fit.rms_px = std::sqrt(at.sum_px2 / points.count);

@@ -36,9 +36,10 @@ struct PosePoints {
 /// A pose and how well it fits.
 struct FittedPose {
   Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
-  Matrix6d covariance = Matrix6d::Zero();  ///< as in PoseEstimate, noise as stated
-  double deviance = 0;                     ///< squared error in standard deviations, robust
-  double chi2 = 0;                         ///< the same, all points at full weight
+  Matrix6d covariance = Matrix6d::Zero();        ///< as in PoseEstimate, noise as stated
+  Matrix6d noise_covariance = Matrix6d::Zero();  ///< the part from pixel noise
+  double deviance = 0;                           ///< squared error in standard deviations, robust
+  double chi2 = 0;                               ///< the same, all points at full weight
   double rms_px = 0;
 };
 

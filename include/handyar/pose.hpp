@@ -67,6 +67,10 @@ struct PoseEstimate {
   /// probability of the other hypotheses.
   Matrix6d covariance = Matrix6d::Zero();
 
+  /// The part of `covariance` that comes from pixel noise and is new in each frame; the rest stays
+  /// as long as hand and view do, and no filter can average it out.
+  Matrix6d noise_covariance = Matrix6d::Zero();
+
   /// Distance between seen and reprojected points, of the points used, in the calibrated posture.
   double rms_px = std::numeric_limits<double>::quiet_NaN();
 
