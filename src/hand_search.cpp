@@ -195,7 +195,7 @@ bool HandSearch::try_reading(const BinImage& image, const Reading& reading, Hand
       HandShape shape;
       if (!find_hand_shape(curvature_, contour_, region_.mask(), disc.radius * scale, shape_config_,
                            shape) ||
-          shape.residual >= best.residual)
+          shape.deviation >= best.deviation)
         continue;
       best = shape;
       best_component = c;
@@ -213,7 +213,7 @@ bool HandSearch::find(const BinImage& image, ColorSpace space, const SkinModel& 
   }
   read_scene(image, skin);
   list_readings(image);
-  shape.residual = static_cast<float>(shape_config_.max_residual);
+  shape.deviation = static_cast<float>(shape_config_.max_deviation);
   Component component;
   int winner = -1;
   for (int k = 0; k < std::min(config_.readings_per_frame, reading_count_); ++k) {

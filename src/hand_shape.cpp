@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/hand_shape.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,17 +9,16 @@
 namespace handyar {
 namespace {
 
-// The average hand in the plane, metres, thumb_right: tips, then the valleys between neighbours.
 constexpr int kPoints = kFingerCount + kValleyCount;
-const Eigen::Matrix<float, 2, kPoints> kHand =
-    (Eigen::Matrix<float, 2, kPoints>() <<  //
-         0.0935f,
-     0.0445f, 0.0f, -0.0400f, -0.0710f, 0.0350f, 0.0115f, -0.0120f, -0.0355f, 0.0f, 0.0780f,
-     0.0920f, 0.0770f, 0.0390f, -0.0180f, 0.0150f, 0.0140f, 0.0030f)
-        .finished();
-// The thumb moves most between people and postures, and its valley with it.
-const Eigen::Matrix<float, kPoints, 1> kWeight =
-    (Eigen::Matrix<float, kPoints, 1>() << 0.4f, 1, 1, 1, 0.8f, 0.5f, 1, 1, 1).finished();
+
+#include "hand_shape_statistics.inc"
+
+/// Affine map from the mean hand to nine points, by least squares: points = map * kFit.
+const Eigen::Matrix<float, kPoints, 3> kFit = [] {
+  Eigen::Matrix<double, kPoints, 3> A;
+  A << kMean_mm.transpose().cast<double>() / 1000, Eigen::Matrix<double, kPoints, 1>::Ones();
+  return Eigen::Matrix<float, kPoints, 3>((A * (A.transpose() * A).inverse()).cast<float>());
+}();
 const Eigen::Vector2f kPalmCenter(-0.002f, -0.035f);
 constexpr float kPalmRadius_m = 0.038f;
 constexpr float kFingerWidth_m = 0.017f;
@@ -29,7 +28,9 @@ Eigen::Vector2f in_layout(Eigen::Vector2f p_hand_m, Layout layout) {
   return p_hand_m;
 }
 
-Eigen::Vector2f hand_point(int i, Layout layout) { return in_layout(kHand.col(i), layout); }
+Eigen::Vector2f hand_point(int i, Layout layout) {
+  return in_layout(kMean_mm.col(i) / 1000, layout);
+}
 
 /// Share of a disc's image under the affine map that lies in the mask.
 float palm_fill(const HandShape& shape, const Mask& mask) {
@@ -159,44 +160,35 @@ HandShape HandShape::transformed(float scale, const Eigen::Vector2f& offset) con
 }
 
 bool fit_hand_shape(const HandShapeConfig& config, HandShape& shape) noexcept {
-  Eigen::Matrix3f A = Eigen::Matrix3f::Zero();
-  Eigen::Matrix<float, 3, 2> B = Eigen::Matrix<float, 3, 2>::Zero();
-  const auto seen = [&](int i) {
-    return i < kFingerCount ? shape.tip_seen[i] : shape.valley_seen[i - kFingerCount];
-  };
-  const auto image_point = [&](int i) {
-    return i < kFingerCount ? shape.tips[i] : shape.valleys[i - kFingerCount];
-  };
-  for (int i = 0; i < kPoints; ++i) {
-    if (!seen(i)) continue;
-    const Eigen::Vector2f at = hand_point(i, shape.layout);
-    const Eigen::Vector3f p(at.x(), at.y(), 1);
-    A += kWeight[i] * p * p.transpose();
-    B += kWeight[i] * p * image_point(i).transpose();
-  }
-  // Metres are small numbers: scale the plane's axes so that the normal equations stay well posed.
-  const Eigen::Vector3f scale(20, 20, 1);
-  const Eigen::Matrix3f scaled = scale.asDiagonal() * A * scale.asDiagonal();
-  shape.image_hand = (scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * B)).transpose();
-
-  float sum = 0, weight = 0;
-  for (int i = 0; i < kPoints; ++i) {
-    if (!seen(i)) continue;
-    sum +=
-        kWeight[i] * (shape.to_image(hand_point(i, shape.layout)) - image_point(i)).squaredNorm();
-    weight += kWeight[i];
-  }
-  const float a = shape.image_hand(0, 0), b = shape.image_hand(0, 1);
-  const float c = shape.image_hand(1, 0), d = shape.image_hand(1, 1);
-  const float trace = a * a + b * b + c * c + d * d, det = a * d - b * c;
-  const float root = std::sqrt(std::max(trace * trace - 4 * det * det, 0.0f));
-  const float larger = std::sqrt(0.5f * (trace + root));
-  const float smaller = std::sqrt(std::max(0.5f * (trace - root), 0.0f));
-  const float span = larger * 0.17f;
-  shape.residual = std::sqrt(sum / weight) / std::max(span, 1e-3f);
+  Eigen::Matrix<float, 2, kPoints> points;
+  for (int f = 0; f < kFingerCount; ++f) points.col(f) = shape.tips[f];
+  for (int k = 0; k < kValleyCount; ++k) points.col(kFingerCount + k) = shape.valleys[k];
+  // The mean is a thumb_right hand: fit it, and mirror the map for the other layout.
+  shape.image_hand = points * kFit;
+  const Eigen::Matrix2f linear = shape.image_hand.leftCols<2>();
+  const float det = linear.determinant(), norm = linear.squaredNorm();
+  const float root = std::sqrt(std::max(norm * norm - 4 * det * det, 0.0f));
+  const float larger = std::sqrt(0.5f * (norm + root));
+  const float smaller = std::sqrt(std::max(0.5f * (norm - root), 0.0f));
   shape.finger_width = kFingerWidth_m * std::sqrt(larger * smaller);
-  // y points up on the hand and down in the image: the map must turn orientation over.
-  return det < 0 && smaller > config.min_aspect * larger && shape.residual < config.max_residual;
+  // What the map leaves, in millimetres of a hand seen from the front, y along the fingers, x to
+  // the thumb: against how hands vary.
+  Eigen::Matrix2f axes;  // rows: the hand's x and y direction in the image
+  axes.row(1) = linear.col(1).normalized().transpose();
+  axes.row(0) = Eigen::RowVector2f(-axes(1, 1), axes(1, 0));
+  if (shape.layout == Layout::thumb_left) axes.row(0) = -axes.row(0);
+  const Eigen::Matrix<float, 3, kPoints> mean =
+      (Eigen::Matrix<float, 3, kPoints>() << kMean_mm / 1000,
+       Eigen::Matrix<float, 1, kPoints>::Ones())
+          .finished();
+  const Eigen::Matrix<float, 2, kPoints> rest =
+      (1000 / larger) * axes * (points - shape.image_hand * mean);
+  const Eigen::Map<const Eigen::Matrix<float, 2 * kPoints, 1>> flat(rest.data());
+  shape.deviation = std::sqrt((kWhitening * flat).squaredNorm() / kWhitening.rows());
+  // y points up on the hand and down in the image: the map turns orientation over.
+  const bool faces_us = shape.layout == Layout::thumb_right ? det < 0 : det > 0;
+  if (shape.layout == Layout::thumb_left) shape.image_hand.col(0) *= -1;
+  return faces_us && smaller > config.min_aspect * larger && shape.deviation < config.max_deviation;
 }
 
 bool fills_region(const HandShape& shape, const Mask& mask,
@@ -227,7 +219,7 @@ bool find_hand_shape(const CurvatureFinder& curvature, const Contour& contour, c
         valley[i][j] = at;
     }
 
-  best.residual = static_cast<float>(config.max_residual);
+  best.deviation = static_cast<float>(config.max_deviation);
   bool found = false;
   const auto consider = [&](const std::array<int, kFingerCount>& clockwise) {
     for (const Layout layout : {Layout::thumb_right, Layout::thumb_left}) {
@@ -247,7 +239,7 @@ bool find_hand_shape(const CurvatureFinder& curvature, const Contour& contour, c
         shape.valleys[k] = samples[valley[clockwise[gap]][clockwise[gap + 1]]];
       }
       if (!fit_hand_shape(config, shape)) continue;
-      if (shape.residual >= best.residual || !fills_region(shape, mask, config) ||
+      if (shape.deviation >= best.deviation || !fills_region(shape, mask, config) ||
           raggedness(shape, curvature, contour) > config.max_raggedness)
         continue;
       best = shape;

@@ -124,8 +124,8 @@ struct HandTracker::Impl {
   double tracked_s = -std::numeric_limits<double>::infinity();  // when it was last tracked
   double five_tips_s = 0;                                       // when all five tips were last seen
   int seen_frames = 0;
-  float acquired_residual = 1;  // of the search's best view of the hand that is being acquired
-  double relief_log_ratio = 0;  // evidence that heights are the model's, not mirrored
+  float acquired_deviation = 1;  // of the search's best view of the hand that is being acquired
+  double relief_log_ratio = 0;   // evidence that heights are the model's, not mirrored
 };
 
 void HandTracker::Impl::forget() noexcept {
@@ -169,13 +169,13 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   const HandShape candidate = coarse.transformed(static_cast<float>(search_bins.step_px), origin);
   if (following) {
     if (candidate.resembles(shape)) {
-      acquired_residual = std::min(acquired_residual, candidate.residual);
+      acquired_deviation = std::min(acquired_deviation, candidate.deviation);
       return false;
     }
-    if (candidate.residual > 0.9f * acquired_residual) return false;
+    if (candidate.deviation > 0.9f * acquired_deviation) return false;
   }
   shape = candidate;
-  acquired_residual = candidate.residual;
+  acquired_deviation = candidate.deviation;
   velocity_px_s.setZero();
   following = false;
   skin = trusted_skin;
@@ -262,7 +262,7 @@ bool HandTracker::Impl::match(bool anew) noexcept {
   }
   HandShapeConfig limits = config.shape;
   if (state == State::tracking || state == State::lost) {
-    limits.max_residual *= 1.5;  // hysteresis
+    limits.max_deviation *= 1.6;  // hysteresis
     limits.min_aspect *= 0.6;
   }
   if (!fit_hand_shape(limits, found)) return false;

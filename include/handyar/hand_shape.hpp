@@ -14,8 +14,9 @@ namespace handyar {
 
 struct HandShapeConfig {
   double min_valley_depth = 0.35;  ///< between neighbouring fingers, in palm radii
-  /// Largest rms distance of tips and valleys from the affine average hand, over the span.
-  double max_residual = 0.065;
+  /// Largest deviation from the shape of hands, in standard deviations (rms); most hands are
+  /// below 1.
+  double max_deviation = 1.1;
   double min_aspect = 0.30;     ///< smaller over larger scale of the affine map: cosine of the tilt
   double min_palm_fill = 0.85;  ///< share of the palm disc that lies in the region
   double min_finger_fill =
@@ -32,8 +33,8 @@ struct HandShape {
   std::array<bool, kFingerCount> tip_seen{};
   std::array<bool, kValleyCount> valley_seen{};
   Eigen::Matrix<float, 2, 3> image_hand;  ///< affine map from the average hand's plane (metres)
-  float residual = 1;      ///< rms of tips and valleys against that map, over the thumb-little span
-  float finger_width = 0;  ///< expected, mask pixels
+  float deviation = 0;                    ///< from the shape of hands, standard deviations (rms)
+  float finger_width = 0;                 ///< expected, mask pixels
 
   Eigen::Vector2f palm() const noexcept;                   ///< its centre, mask pixels
   float palm_radius() const noexcept;                      ///< mask pixels
@@ -62,8 +63,8 @@ struct HandShape {
 bool find_hand_shape(const CurvatureFinder& curvature, const Contour& contour, const Mask& mask,
                      float palm_radius, const HandShapeConfig& config, HandShape& best) noexcept;
 
-/// Affine average hand through the tips and valleys that are seen; sets image_hand, residual and
-/// finger_width. False when the shape is no hand's.
+/// Fits the average hand affinely to tips and valleys and compares what is left with how hands
+/// vary; sets image_hand, deviation and finger_width. False when the shape is no hand's.
 bool fit_hand_shape(const HandShapeConfig& config, HandShape& shape) noexcept;
 
 /// True when palm and fingers of the shape are filled by the region, and the fingers are as wide as
