@@ -40,12 +40,17 @@ Rgb rgb_of(int bin, ColorSpace space) {
 
 std::int8_t clamp8(double x) { return static_cast<std::int8_t>(std::clamp(x, -127.0, 127.0)); }
 
+HandShapeConfig shape_to_look_for(const HandSearchConfig& config, HandShapeConfig shape) {
+  shape.max_deviation = config.max_deviation;
+  return shape;
+}
+
 }  // namespace
 
 HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fingertips,
                        const HandShapeConfig& shape)
     : config_(config),
-      shape_config_(shape),
+      shape_config_(shape_to_look_for(config, shape)),
       curvature_(fingertips),
       channels_(kChannels),
       scene_(kBinCount),

@@ -86,6 +86,10 @@ struct HandTracker::Impl {
   Eigen::Vector2f to_input(const Eigen::Vector2f& p) const noexcept {
     return {static_cast<float>(bins.x_px(p.x())), static_cast<float>(bins.y_px(p.y()))};
   }
+  HandShape to_input(const HandShape& s) const noexcept {
+    return s.transformed(static_cast<float>(bins.step_px),
+                         {float(bins.x_px(0)), float(bins.y_px(0))});
+  }
   HandShape to_mask(const HandShape& shape_px) const noexcept {
     const float scale = 1.0f / static_cast<float>(bins.step_px);
     const Eigen::Vector2f origin(float(bins.x_px(0)), float(bins.y_px(0)));
@@ -114,6 +118,7 @@ struct HandTracker::Impl {
   State state = State::searching;
   bool following = false;  // `shape` tells where the hand was in the last frame
   HandShape shape;         // input pixels
+  bool promising = false;  // `found` was refused, but not by much
   HandShape found;         // mask pixels of this frame
   Component component;
   Eigen::Vector2f centroid_px = Eigen::Vector2f::Zero();
@@ -223,6 +228,7 @@ bool HandTracker::Impl::find_fingertips() noexcept {
 /// Which is which finger, after the frame before (paper 2.3) or, `anew`, after the search in this
 /// one; true when tips and valleys together are a hand's. Leaves `found`.
 bool HandTracker::Impl::match(bool anew) noexcept {
+  promising = false;
   const HandShape before = to_mask(shape);
   const auto tips = curvature.tips();
   std::array<Eigen::Vector2f, CurvatureFinder::kMaxTips> candidates;
@@ -264,8 +270,12 @@ bool HandTracker::Impl::match(bool anew) noexcept {
   if (state == State::tracking || state == State::lost) {
     limits.max_deviation *= 1.6;  // hysteresis
     limits.min_aspect *= 0.6;
+  } else if (following) {
+    limits.max_deviation *= 1.2;
   }
-  if (!fit_hand_shape(limits, found)) return false;
+  const bool accepted = fit_hand_shape(limits, found);
+  promising = found.deviation < config.search.max_deviation;
+  if (!accepted) return false;
   // A tip that was missed stays where the shape puts it, for the next frame's matching.
   const Eigen::Vector2f moved = found.palm() - before.palm();
   for (int f = 0; f < kFingerCount; ++f)
@@ -370,8 +380,7 @@ void HandTracker::Impl::advance(bool seen) noexcept {
   const AcquisitionConfig& limits = config.acquisition;
   const bool known = time_s - tracked_s < limits.remember_s;
   if (seen) {
-    const HandShape now = found.transformed(static_cast<float>(bins.step_px),
-                                            {float(bins.x_px(0)), float(bins.y_px(0))});
+    const HandShape now = to_input(found);
     const bool resumed = following && state == State::lost;
     if (following) {
       velocity_px_s = (now.palm() - shape.palm()) / static_cast<float>(time_s - seen_s);
@@ -423,19 +432,28 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   const StageClock clock(t.config.now_s);
   StageTimes& times = result.times;
   const auto look = [&](bool anew) {
-    const bool seen = clock.time(times.segmentation_ms, [&] { return t.segment(frame); }) &&
-                      clock.time(times.fingertips_ms, [&] { return t.find_fingertips(); }) &&
-                      clock.time(times.matching_ms, [&] { return t.match(anew); });
-    return seen;
+    return clock.time(times.segmentation_ms, [&] { return t.segment(frame); }) &&
+           clock.time(times.fingertips_ms, [&] { return t.find_fingertips(); }) &&
+           clock.time(times.matching_ms, [&] { return t.match(anew); });
   };
   const auto search = [&] {
     return clock.time(times.segmentation_ms, [&] { return t.find_anywhere(frame); });
   };
+  // What the search finds is rough: its colours are learned and the hand is looked at again.
+  const auto look_anew = [&] {
+    bool seen = look(true);
+    for (int again = 0; !seen && again < 2 && t.promising; ++again) {
+      t.shape = t.to_input(t.found);
+      t.learn(t.bins, t.region.mask(), t.found);
+      seen = look(true);
+    }
+    return seen;
+  };
   bool seen = false;
-  if (t.state == State::acquiring && search()) seen = look(true);
+  if (t.state == State::acquiring && search()) seen = look_anew();
   if (!seen && t.following) seen = look(false);
   if (!seen && (t.state == State::searching || t.state == State::lost) && search())
-    seen = look(true);
+    seen = look_anew();
   t.advance(seen);
   result.state = t.state;
   t.contour_size = 0;

@@ -17,6 +17,7 @@ namespace handyar {
 struct HandSearchConfig {
   int longer_side = 320;          ///< frames are reduced to about this many pixels
   double min_area_share = 0.008;  ///< of the frame, for a region to be looked at
+  double max_deviation = 1.7;     ///< as HandShapeConfig's, but only to be worth a closer look
   int readings_per_frame = 16;    ///< more find a hand sooner and cost more
 };
 
