@@ -38,6 +38,7 @@ Command add_demo(CLI::App& app) {
   CLI::App* options = app.add_subcommand("demo", "Track the hand in the shipped clip, end to end");
   const auto folder = std::make_shared<std::string>("handyar-demo");
   options->add_option("--out", *folder, "Folder for the annotated video and the poses")
+      ->type_name("DIR")
       ->capture_default_str();
   return {options, [folder] { return demo(*folder); }};
 }

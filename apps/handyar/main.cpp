@@ -22,6 +22,14 @@ int wrong_usage(const CLI::App& app, const std::string& fault) {
   return kWrongUsage;
 }
 
+// CLI11 takes a mistyped subcommand for a missing one.
+std::string fault_of(const CLI::App& app, const CLI::ParseError& e, int argc, char** argv) {
+  if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-') {
+    return std::string("there is no subcommand ") + argv[1];
+  }
+  return e.what();
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"A bare outstretched hand, used like a printed AR marker.", "handyar"};
   app.set_version_flag("--version", "handyar " HANDYAR_VERSION);
@@ -37,7 +45,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& e) {
-    return wrong_usage(app, e.what());
+    return wrong_usage(app, fault_of(app, e, argc, argv));
   }
   try {
     for (const Command& command : commands) {

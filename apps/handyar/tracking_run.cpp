@@ -38,24 +38,29 @@ void require_distinct_files(const TrackingRun& run) {
   if (same_file(run.poses_out, run.video_out)) throw WrongUsage(run.poses_out + " is named twice");
 }
 
-Camera camera_of(const TrackingRun& run, const io::SourceInfo& input) {
+// What is taken for granted is told once everything could be opened: a fault is then the one line.
+using Notes = std::vector<std::string>;
+
+Camera camera_of(const TrackingRun& run, const io::SourceInfo& input, Notes& notes) {
   if (run.camera_file.empty()) {
-    std::cerr << "handyar: no --camera: a field of view of 60 degrees is assumed\n";
+    notes.push_back("no --camera: a field of view of 60 degrees is assumed");
     return Camera::from_field_of_view(input.width_px, input.height_px);
   }
   const Camera camera = io::read_camera(run.camera_file);
   if (camera.width_px == input.width_px && camera.height_px == input.height_px) return camera;
   const Camera scaled =
       io::camera_for_size(camera, input.width_px, input.height_px, run.camera_file);
-  std::cerr << "handyar: " << run.camera_file << " is scaled from " << camera.width_px << "x"
-            << camera.height_px << " to " << input.width_px << "x" << input.height_px
-            << " pixels\n";
+  const auto size = [](const auto& of) {
+    return std::to_string(of.width_px) + "x" + std::to_string(of.height_px);
+  };
+  notes.push_back(run.camera_file + " is scaled from " + size(camera) + " to " + size(input) +
+                  " pixels");
   return scaled;
 }
 
-HandModel hand_of(const TrackingRun& run) {
+HandModel hand_of(const TrackingRun& run, Notes& notes) {
   if (!run.hand_file.empty()) return io::read_hand(run.hand_file);
-  std::cerr << "handyar: no --hand: the average adult hand is assumed, so the scale is too\n";
+  notes.push_back("no --hand: the average adult hand is assumed, and with it the scale");
   return average_adult_hand();
 }
 
@@ -119,6 +124,10 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
   Progress progress(source.info());
   io::Frame frame;
   cv::Mat picture;
+  const double start_s = steady_now_s();
+  const auto until_due_s = [&] {  // a recording is shown at its own pace
+    return source.info().live ? 0.0 : start_s + frame.time_s - steady_now_s();
+  };
   while (interrupt() == 0 && source.read(frame)) {
     const TrackResult result = tracker.process(frame.view(), frame.time_s);
     if (result.status != FrameStatus::ok) {
@@ -134,7 +143,7 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
       if (run.overlay) run.overlay(picture, tracker, camera, result);
       annotate(picture, tracker, camera, result);
       if (outputs.video) outputs.video->write(picture);
-      if (outputs.window && !outputs.window->show(picture)) break;
+      if (outputs.window && !outputs.window->show(picture, until_due_s())) break;
     }
     progress.show(summary);
   }
@@ -147,14 +156,16 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
 Summary track(const TrackingRun& run) {
   require_distinct_files(run);
   const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
-  const Camera camera = camera_of(run, source->info());
-  const HandModel hand = hand_of(run);
+  Notes notes;
+  const Camera camera = camera_of(run, source->info(), notes);
+  const HandModel hand = hand_of(run, notes);
+  catch_interrupts();  // from here on there are files to finish
   Outputs outputs(run, source->info());
+  for (const std::string& note : notes) std::cerr << "handyar: " << note << '\n';
 
   Config config = run.config;
   if (run.timings) config.now_s = steady_now_s;
   HandTracker tracker(camera, hand, config);
-  catch_interrupts();
   Summary summary;
   summary.live = source->info().live;
   try {

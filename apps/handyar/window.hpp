@@ -14,8 +14,9 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// False when the user wants to end: q, Esc, or the window was closed.
-  bool show(const cv::Mat& bgr);
+  /// Shows the picture for at least about `wait_s`. False when the user wants to end: q, Esc, or the
+  /// window was closed.
+  bool show(const cv::Mat& bgr, double wait_s);
 
  private:
   std::string title_;

@@ -98,6 +98,9 @@ std::unique_ptr<FrameSource> open_input(const std::string& input) {
   }
   if (fs::exists(status)) {
     require_readable(input);
+    if (fs::is_regular_file(status) && fs::file_size(input, ignored) == 0) {
+      throw Error(input, "is empty");
+    }
     return is_picture(input) ? open_pictures(input) : open_video(input);
   }
   if (is_picture_pattern(input)) return open_pictures(input);
