@@ -164,7 +164,7 @@ TEST_F(IoTest, FaultyCameraFilesAreRefusedByField) {
     EXPECT_EQ(fault, *c.fault ? std::string("c.yml: ") + c.fault : "") << c.by;
   }
   for (const std::string& text : std::initializer_list<std::string>{
-           "", "hello", "%YAML:1.0\n---\n- a\n", "{", "\x01\x02\xff",
+           "", "hello", "%YAML:1.0\n---\n- a\n", "{", "\x01\x02\xff", "%YAML:1.0\n---\n   :dt ls",
            "%YAML:1.0\n---\nimage_width: [", "<?xml version=\"1.0\"?>"}) {
     EXPECT_NE(fault_of([&] { parse_camera(text, "c.yml"); }), "") << text;
   }

@@ -32,6 +32,8 @@ class Reader {
       storage_.open(yaml, cv::FileStorage::READ | cv::FileStorage::MEMORY);
     } catch (const cv::Exception& e) {
       fail("is not a camera file (YAML): " + e.err);
+    } catch (const std::exception&) {  // its parser lets std::length_error and the like through
+      fail("is not a camera file (YAML)");
     }
     if (!storage_.isOpened() || !storage_.root().isMap()) fail("is not a camera file (YAML)");
   }
