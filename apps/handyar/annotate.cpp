@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include "annotate.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+namespace handyar::cli {
+namespace {
+
+constexpr int kSubpixelBits =
+    4;  // OpenCV draws at fractions of a pixel when given them as integers
+
+// Okabe and Ito's colours, which differ for the colour-blind too; blue, green, red.
+const cv::Scalar kFingerColors[kFingerCount] = {
+    {0, 159, 230}, {233, 180, 86}, {66, 228, 240}, {167, 121, 204}, {115, 158, 0}};
+const cv::Scalar kWhite{255, 255, 255}, kShadow{20, 20, 20};
+const cv::Scalar kContour{255, 255, 255};
+constexpr double kAxisLength_m = 0.04;
+
+cv::Point fixed(const Eigen::Vector2d& px) {
+  const double scale = 1 << kSubpixelBits;
+  return {cvRound(px.x() * scale), cvRound(px.y() * scale)};
+}
+
+// All sizes follow the picture's, so that a large frame is as legible as a small one.
+struct Pen {
+  cv::Mat& picture;
+  double unit;  ///< 1 at 640x480
+
+  int thick(double width) const { return std::max(1, cvRound(width * unit)); }
+
+  void line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const cv::Scalar& color,
+            double width) const {
+    cv::line(picture, fixed(a), fixed(b), kShadow, thick(width + 2), cv::LINE_AA, kSubpixelBits);
+    cv::line(picture, fixed(a), fixed(b), color, thick(width), cv::LINE_AA, kSubpixelBits);
+  }
+
+  void dot(const Eigen::Vector2d& at, double radius, const cv::Scalar& color) const {
+    const double scale = unit * (1 << kSubpixelBits);
+    cv::circle(picture, fixed(at), cvRound((radius + 1.5) * scale), kShadow, cv::FILLED,
+               cv::LINE_AA, kSubpixelBits);
+    cv::circle(picture, fixed(at), cvRound(radius * scale), color, cv::FILLED, cv::LINE_AA,
+               kSubpixelBits);
+  }
+
+  cv::Size size_of(const std::string& text, double size) const {
+    return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size * unit, thick(1), nullptr);
+  }
+
+  // `at`: left end of the base line; moved so that the text stays in the picture.
+  void text(const std::string& text, cv::Point at, double size, const cv::Scalar& color) const {
+    const cv::Size box = size_of(text, size);
+    const int margin = thick(3);
+    at.x = std::max(margin, std::min(at.x, picture.cols - box.width - margin));
+    at.y = std::max(box.height + margin, std::min(at.y, picture.rows - margin));
+    cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size * unit, kShadow, thick(3),
+                cv::LINE_AA);
+    cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size * unit, color, thick(1),
+                cv::LINE_AA);
+  }
+
+  void centered_text(const std::string& label, const Eigen::Vector2d& center, double size,
+                     const cv::Scalar& color) const {
+    const cv::Size box = size_of(label, size);
+    text(label, {cvRound(center.x()) - box.width / 2, cvRound(center.y()) + box.height / 2}, size,
+         color);
+  }
+};
+
+void draw_contour(const Pen& pen, std::span<const Eigen::Vector2f> contour_px) {
+  if (contour_px.size() < 3) return;
+  std::vector<cv::Point> points;
+  points.reserve(contour_px.size());
+  for (const Eigen::Vector2f& p : contour_px) points.push_back(fixed(p.cast<double>()));
+  cv::polylines(pen.picture, points, true, kShadow, pen.thick(3), cv::LINE_AA, kSubpixelBits);
+  cv::polylines(pen.picture, points, true, kContour, pen.thick(1), cv::LINE_AA, kSubpixelBits);
+}
+
+void draw_tips(const Pen& pen, const TrackResult& result) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  int seen = 0;
+  for (const Tip& tip : result.tips) {
+    if (!tip.seen) continue;
+    mean += tip.px;
+    ++seen;
+  }
+  if (seen == 0) return;
+  mean /= seen;
+  for (std::size_t i = 0; i < result.tips.size(); ++i) {
+    const Tip& tip = result.tips[i];
+    if (!tip.seen) continue;
+    pen.dot(tip.px, 4, kFingerColors[i]);
+    // The label stands beyond the fingertip, where no hand is.
+    Eigen::Vector2d away = tip.px - mean + Eigen::Vector2d(0, -0.5 * (tip.px - mean).norm());
+    away = away.norm() > 1 ? away.normalized().eval() : Eigen::Vector2d(0, -1);
+    const Eigen::Vector2d label = tip.px + pen.unit * away.cwiseProduct(Eigen::Vector2d(30, 17));
+    pen.centered_text(std::string(kFingerNames[i]), label, 0.42, kFingerColors[i]);
+  }
+}
+
+void draw_axes(const Pen& pen, const Camera& camera, const Eigen::Isometry3d& T_camera_hand) {
+  const cv::Scalar colors[3] = {{70, 70, 235}, {90, 200, 80}, {240, 140, 60}};  // x, y, z
+  const char* const names[3] = {"x", "y", "z"};
+  const Eigen::Vector3d origin = T_camera_hand.translation();
+  if (origin.z() <= 2 * kAxisLength_m) return;
+  const Eigen::Vector2d origin_px = camera.project(origin);
+  int order[3] = {0, 1, 2};  // the axis that points at the camera lies over the others
+  std::sort(order, order + 3, [&](int a, int b) {
+    return T_camera_hand.linear()(2, a) > T_camera_hand.linear()(2, b);
+  });
+  for (const int axis : order) {
+    const Eigen::Vector3d end = origin + kAxisLength_m * T_camera_hand.linear().col(axis);
+    const Eigen::Vector2d end_px = camera.project(end);
+    pen.line(origin_px, end_px, colors[axis], 2.5);
+    const Eigen::Vector2d along = end_px - origin_px;
+    if (along.norm() < 6 * pen.unit) continue;
+    pen.centered_text(names[axis], end_px + 10 * pen.unit * along.normalized(), 0.45, colors[axis]);
+  }
+  pen.dot(origin_px, 3, kWhite);
+}
+
+std::string status_line(const TrackResult& result) {
+  std::string line(name(result.state));
+  if (result.layout) line += "   " + std::string(name(*result.layout));
+  char text[96];
+  if (result.pose) {
+    std::snprintf(text, sizeof text, "   %.0f mm%s",
+                  1000 * result.pose->T_camera_hand.translation().norm(),
+                  result.scale_assumed ? " (assumed scale)" : "");
+    line += text;
+  }
+  if (result.times.total_ms > 0) {
+    std::snprintf(text, sizeof text, "   %.2f ms", result.times.total_ms);
+    line += text;
+  }
+  std::replace(line.begin(), line.end(), '_', ' ');
+  return line;
+}
+
+// A darkened band at the bottom: text on it is legible before any background.
+void draw_status(const Pen& pen, const TrackResult& result) {
+  static const cv::Scalar colors[] = {
+      {190, 190, 190}, {60, 200, 250}, {110, 220, 120}, {80, 100, 240}};  // as in State
+  const int height = pen.thick(26);
+  cv::Mat band = pen.picture.rowRange(pen.picture.rows - height, pen.picture.rows);
+  band *= 0.35;
+  const cv::Scalar& color = colors[static_cast<std::size_t>(result.state)];
+  const double y = pen.picture.rows - 0.5 * height;
+  pen.dot({14 * pen.unit, y}, 5, color);
+  pen.text(status_line(result), {pen.thick(28), cvRound(y + 5 * pen.unit)}, 0.48, kWhite);
+}
+
+}  // namespace
+
+void annotate(cv::Mat& bgr, const HandTracker& tracker, const Camera& camera,
+              const TrackResult& result) {
+  const Pen pen{bgr, std::max(0.6, std::min(bgr.cols / 640.0, bgr.rows / 480.0))};
+  draw_contour(pen, tracker.contour_px());
+  if (result.pose) draw_axes(pen, camera, result.pose->T_camera_hand);
+  draw_tips(pen, result);
+  draw_status(pen, result);
+}
+
+}  // namespace handyar::cli

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace handyar::cli {
+
+inline constexpr int kDone = 0;
+inline constexpr int kFailed = 1;
+inline constexpr int kWrongUsage = 2;
+
+/// A subcommand: its options are added to the application when it is made, `run` is called when the
+/// user asked for it and gives the exit code.
+struct Command {
+  CLI::App* options;
+  std::function<int()> run;
+};
+
+// One line here and one in main.cpp for each subcommand; each has its own file.
+Command add_demo(CLI::App& app);
+Command add_track(CLI::App& app);
+Command add_cameras(CLI::App& app);
+
+/// Two options that contradict each other and the like: exit code 2.
+struct WrongUsage : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Notes SIGINT and SIGTERM so that loops can end and finish their files; a second one kills.
+void catch_interrupts();
+/// The signal that came, or 0.
+int interrupt() noexcept;
+
+/// Seconds of a clock that never goes back.
+double steady_now_s();
+
+}  // namespace handyar::cli

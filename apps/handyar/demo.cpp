@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "command.hpp"
+#include "handyar/io/error.hpp"
+#include "handyar/io/sample.hpp"
+#include "tracking_run.hpp"
+
+namespace fs = std::filesystem;
+
+namespace handyar::cli {
+namespace {
+
+int demo(const std::string& folder) {
+  std::error_code fault;
+  fs::create_directories(folder, fault);
+  if (fault) throw io::Error(folder, "cannot be made: " + fault.message());
+
+  TrackingRun run;
+  run.input = "sample";
+  run.camera_file = io::data_file("sample/camera.yml");
+  run.hand_file = io::data_file("sample/hand.json");
+  run.poses_out = (fs::path(folder) / "poses.csv").string();
+  run.video_out = (fs::path(folder) / "annotated.mp4").string();
+  // run.overlay: the object that stands on the hand
+
+  const Summary summary = track(run);
+  std::cout << "the shipped clip: " << describe(summary) << "\n  annotated video  " << run.video_out
+            << "\n  poses            " << run.poses_out << '\n';
+  return exit_code(summary);
+}
+
+}  // namespace
+
+Command add_demo(CLI::App& app) {
+  CLI::App* options = app.add_subcommand("demo", "Track the hand in the shipped clip, end to end");
+  const auto folder = std::make_shared<std::string>("handyar-demo");
+  options->add_option("--out", *folder, "Folder for the annotated video and the poses")
+      ->type_name("DIR")
+      ->capture_default_str();
+  return {options, [folder] { return demo(*folder); }};
+}
+
+}  // namespace handyar::cli

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include <iostream>
+
+#include "command.hpp"
+#include "handyar/io/error.hpp"
+
+namespace {
+
+using namespace handyar::cli;
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  handyar demo                                    see it work\n"
+    "  handyar track 0 --show                          your own hand in front of the first camera\n"
+    "  handyar track hand.mp4 --poses poses.csv --video annotated.mp4\n"
+    "\nExit codes: 0 done, 1 failed (one line says why), 2 wrong usage, 128 + n ended by signal n.";
+
+int wrong_usage(const CLI::App& app, const std::string& fault) {
+  std::string program = "handyar";
+  for (const CLI::App* command : app.get_subcommands()) program += " " + command->get_name();
+  std::cerr << "handyar: " << fault << " (" << program << " --help tells more)\n";
+  return kWrongUsage;
+}
+
+// CLI11 takes a mistyped subcommand for a missing one.
+std::string fault_of(const CLI::App& app, const CLI::ParseError& e, int argc, char** argv) {
+  if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-') {
+    return std::string("there is no subcommand ") + argv[1];
+  }
+  return e.what();
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"A bare outstretched hand, used like a printed AR marker.", "handyar"};
+  app.set_version_flag("--version", "handyar " HANDYAR_VERSION);
+  app.require_subcommand(1);
+  app.footer(kExamples);
+  const Command commands[] = {
+      add_demo(app),
+      add_track(app),
+      add_cameras(app),
+  };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // --help, --version
+    return app.exit(asked);
+  } catch (const CLI::ParseError& e) {
+    return wrong_usage(app, fault_of(app, e, argc, argv));
+  }
+  try {
+    for (const Command& command : commands) {
+      if (command.options->parsed()) return command.run();
+    }
+  } catch (const WrongUsage& e) {
+    return wrong_usage(app, e.what());
+  }
+  return kWrongUsage;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const handyar::io::Error& e) {
+    std::cerr << "handyar: " << e.what() << '\n';
+  } catch (const std::bad_alloc&) {
+    std::cerr << "handyar: out of memory\n";
+  } catch (const std::exception& e) {
+    std::cerr << "handyar: internal error: " << e.what() << '\n';
+  }
+  return kFailed;
+}

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include <iostream>
+#include <memory>
+
+#include "command.hpp"
+#include "tracking_run.hpp"
+
+namespace handyar::cli {
+namespace {
+
+constexpr const char* kExamples =
+    "INPUT is a video file, a picture, a numbered series of pictures (frames/%04d.png), a camera\n"
+    "(0, /dev/video0, or its name) or sample, the shipped clip.\n\n"
+    "Examples:\n"
+    "  handyar track 0 --show\n"
+    "  handyar track hand.mp4 --camera camera.yml --hand hand.json --poses poses.csv\n"
+    "  handyar track sample --video annotated.mp4\n\n"
+    "Ctrl-C finishes the files; the exit code is then 130 for a file, 0 for a live camera.";
+
+// The options as they are typed, where that is not how the tracker has them.
+struct Choices {
+  std::string processing = "full", fingertips = "ellipse";
+  bool no_filter = false, no_timings = false;
+};
+
+}  // namespace
+
+Command add_track(CLI::App& app) {
+  CLI::App* options = app.add_subcommand("track", "Track a hand in a video, pictures or a camera");
+  const auto run = std::make_shared<TrackingRun>();
+  const auto choices = std::make_shared<Choices>();
+  options->add_option("INPUT", run->input, "What to track the hand in")->required()->type_name(" ");
+  options->add_option("--camera", run->camera_file, "Camera file (YAML); else 60 degrees assumed")
+      ->type_name("FILE");
+  options->add_option("--hand", run->hand_file, "Hand file (JSON); else the average adult hand")
+      ->type_name("FILE");
+  options->add_option("--poses", run->poses_out, "Write one row per frame (CSV)")
+      ->type_name("FILE");
+  options->add_option("--video", run->video_out, "Write the annotated video (.mp4, .mkv, .avi)")
+      ->type_name("FILE");
+  options->add_flag("--show", run->show, "Show it in a window; q or Esc ends");
+  options->add_option("--processing", choices->processing, "Work at full or half the input's size")
+      ->check(CLI::IsMember({"full", "half"}))
+      ->capture_default_str();
+  options->add_option("--fingertips", choices->fingertips, "How fingertips are measured")
+      ->check(CLI::IsMember({"curvature", "ellipse"}))
+      ->capture_default_str();
+  options->add_flag("--no-filter", choices->no_filter, "Give the raw pose as the filtered one");
+  options->add_flag("--no-timings", choices->no_timings,
+                    "Leave the milliseconds out: the same input then gives the same file");
+  options->footer(kExamples);
+  return {options, [run, choices] {
+            run->config.half_resolution = choices->processing == "half";
+            run->config.fingertips.method = choices->fingertips == "curvature"
+                                                ? FingertipMethod::curvature
+                                                : FingertipMethod::ellipse;
+            run->config.filter.enabled = !choices->no_filter;
+            run->timings = !choices->no_timings;
+            const Summary summary = track(*run);
+            std::cout << describe(summary) << '\n';
+            return exit_code(summary);
+          }};
+}
+
+}  // namespace handyar::cli

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "tracking_run.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <vector>
+
+#include "annotate.hpp"
+#include "command.hpp"
+#include "handyar/io/camera_file.hpp"
+#include "handyar/io/error.hpp"
+#include "handyar/io/frame_source.hpp"
+#include "handyar/io/hand_file.hpp"
+#include "handyar/io/pose_csv.hpp"
+#include "handyar/io/video_writer.hpp"
+#include "window.hpp"
+
+namespace handyar::cli {
+namespace {
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return !a.empty() && !b.empty() && (a == b || std::filesystem::equivalent(a, b, ignored));
+}
+
+void require_distinct_files(const TrackingRun& run) {
+  const std::string* outputs[] = {&run.poses_out, &run.video_out};
+  const std::string* inputs[] = {&run.input, &run.camera_file, &run.hand_file};
+  for (const std::string* out : outputs) {
+    for (const std::string* in : inputs) {
+      if (same_file(*out, *in)) throw WrongUsage(*out + " is both read and written");
+    }
+  }
+  if (same_file(run.poses_out, run.video_out)) throw WrongUsage(run.poses_out + " is named twice");
+}
+
+// What is taken for granted is told once everything could be opened: a fault is then the one line.
+using Notes = std::vector<std::string>;
+
+Camera camera_of(const TrackingRun& run, const io::SourceInfo& input, Notes& notes) {
+  if (run.camera_file.empty()) {
+    notes.push_back("no --camera: a field of view of 60 degrees is assumed");
+    return Camera::from_field_of_view(input.width_px, input.height_px);
+  }
+  const Camera camera = io::read_camera(run.camera_file);
+  if (camera.width_px == input.width_px && camera.height_px == input.height_px) return camera;
+  const Camera scaled =
+      io::camera_for_size(camera, input.width_px, input.height_px, run.camera_file);
+  const auto size = [](const auto& of) {
+    return std::to_string(of.width_px) + "x" + std::to_string(of.height_px);
+  };
+  notes.push_back(run.camera_file + " is scaled from " + size(camera) + " to " + size(input) +
+                  " pixels");
+  return scaled;
+}
+
+HandModel hand_of(const TrackingRun& run, Notes& notes) {
+  if (!run.hand_file.empty()) return io::read_hand(run.hand_file);
+  notes.push_back("no --hand: the average adult hand is assumed, and with it the scale");
+  return average_adult_hand();
+}
+
+// A line that is written over, on a terminal only.
+class Progress {
+ public:
+  explicit Progress(const io::SourceInfo& input) : input_(input) {}
+  ~Progress() {
+    if (shown_) std::fputs("\r\033[K", stderr);
+  }
+  void show(const Summary& summary) {
+    if (!terminal_ || steady_now_s() < next_s_) return;
+    next_s_ = steady_now_s() + 0.1;
+    shown_ = true;
+    std::fprintf(stderr, "\r\033[K%lld", static_cast<long long>(summary.frames));
+    if (input_.frame_count > 0) {
+      std::fprintf(stderr, " of %lld", static_cast<long long>(input_.frame_count));
+    }
+    std::fprintf(stderr, " frames, %lld tracked", static_cast<long long>(summary.tracked));
+    std::fflush(stderr);
+  }
+
+ private:
+  const io::SourceInfo& input_;
+  const bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+  bool shown_ = false;
+  double next_s_ = 0;
+};
+
+// Everything a run writes or shows; opened before the first frame is tracked, so that what cannot
+// be written is known at once.
+struct Outputs {
+  std::optional<io::PoseCsvWriter> poses;
+  std::optional<io::VideoWriter> video;
+  std::optional<Window> window;
+
+  Outputs(const TrackingRun& run, const io::SourceInfo& input) {
+    if (!run.poses_out.empty()) poses.emplace(run.poses_out, run.timings);
+    if (!run.video_out.empty()) {
+      video.emplace(run.video_out, input.width_px, input.height_px, input.fps);
+    }
+    if (run.show) window.emplace("handyar");
+  }
+  bool pictures() const { return video || window; }
+  void finish() {
+    if (poses) poses->finish();
+    if (video) video->finish();
+  }
+};
+
+std::optional<double> median(std::vector<double>& values) {
+  if (values.empty()) return std::nullopt;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& camera,
+               HandTracker& tracker, Outputs& outputs, Summary& summary) {
+  std::vector<double> times_ms;
+  Progress progress(source.info());
+  io::Frame frame;
+  cv::Mat picture;
+  const double start_s = steady_now_s();
+  const auto until_due_s = [&] {  // a recording is shown at its own pace
+    return source.info().live ? 0.0 : start_s + frame.time_s - steady_now_s();
+  };
+  while (interrupt() == 0 && source.read(frame)) {
+    const TrackResult result = tracker.process(frame.view(), frame.time_s);
+    if (result.status != FrameStatus::ok) {
+      throw io::Error(source.info().name, "frame " + std::to_string(frame.index) + ": " +
+                                              handyar::describe(result.status));
+    }
+    ++summary.frames;
+    summary.tracked += result.state == State::tracking;
+    if (run.timings) times_ms.push_back(result.times.total_ms);
+    if (outputs.poses) outputs.poses->write(frame.index, result);
+    if (outputs.pictures()) {
+      frame.bgr.copyTo(picture);
+      if (run.overlay) run.overlay(picture, tracker, camera, result);
+      annotate(picture, tracker, camera, result);
+      if (outputs.video) outputs.video->write(picture);
+      if (outputs.window && !outputs.window->show(picture, until_due_s())) break;
+    }
+    progress.show(summary);
+  }
+  summary.median_ms = median(times_ms);
+  summary.signal = interrupt();
+}
+
+}  // namespace
+
+Summary track(const TrackingRun& run) {
+  require_distinct_files(run);
+  const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
+  Notes notes;
+  const Camera camera = camera_of(run, source->info(), notes);
+  const HandModel hand = hand_of(run, notes);
+  catch_interrupts();  // from here on there are files to finish
+  Outputs outputs(run, source->info());
+  for (const std::string& note : notes) std::cerr << "handyar: " << note << '\n';
+
+  Config config = run.config;
+  if (run.timings) config.now_s = steady_now_s;
+  HandTracker tracker(camera, hand, config);
+  Summary summary;
+  summary.live = source->info().live;
+  try {
+    track_all(run, *source, camera, tracker, outputs, summary);
+  } catch (const io::Error&) {
+    if (summary.frames > 0) outputs.finish();
+    throw;
+  }
+  outputs.finish();
+  return summary;
+}
+
+std::string describe(const Summary& summary) {
+  char text[160];
+  const double share = summary.frames > 0 ? 100.0 * static_cast<double>(summary.tracked) /
+                                                static_cast<double>(summary.frames)
+                                          : 0.0;
+  int length =
+      std::snprintf(text, sizeof text, "%lld frame%s, %.1f %% tracked",
+                    static_cast<long long>(summary.frames), summary.frames == 1 ? "" : "s", share);
+  if (summary.median_ms) {
+    length += std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
+                            ", median %.2f ms a frame", *summary.median_ms);
+  }
+  return std::string(text, static_cast<std::size_t>(length)) +
+         (summary.signal != 0 && !summary.live ? " (interrupted)" : "");
+}
+
+int exit_code(const Summary& summary) noexcept {
+  return summary.signal != 0 && !summary.live ? 128 + summary.signal : kDone;
+}
+
+}  // namespace handyar::cli

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+
+#include "handyar/tracker.hpp"
+
+namespace handyar::cli {
+
+/// What to draw on a frame before the annotation: an object on the hand, say.
+using Overlay = std::function<void(cv::Mat& bgr, const HandTracker& tracker, const Camera& camera,
+                                   const TrackResult& result)>;
+
+/// One run of the tracker over an input; an empty name: not wanted.
+struct TrackingRun {
+  std::string input;
+  std::string camera_file, hand_file;
+  std::string poses_out, video_out;
+  bool show = false;
+  bool timings = true;
+  Config config;
+  Overlay overlay;
+};
+
+struct Summary {
+  std::int64_t frames = 0, tracked = 0;
+  std::optional<double> median_ms;  ///< of the tracker, a frame; empty without timings
+  int signal = 0;                   ///< what ended the run early, or 0
+  bool live = false;
+};
+
+/// Runs it. Faults of inputs and outputs come as io::Error; what was read before such a fault is
+/// kept in the outputs.
+Summary track(const TrackingRun& run);
+
+/// "300 frames, 97.3 % tracked, median 1.42 ms a frame"
+std::string describe(const Summary& summary);
+
+/// The exit code: 128 + signal for a file that was not finished; the end of a live camera is always
+/// somebody's wish, so it is 0.
+int exit_code(const Summary& summary) noexcept;
+
+}  // namespace handyar::cli

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+#include "handyar/image_view.hpp"
+
+namespace handyar::io {
+
+/// One picture of an input.
+struct Frame {
+  cv::Mat bgr;             ///< 8 bit, three channels, upright
+  double time_s = 0;       ///< since the first frame; strictly increasing
+  std::int64_t index = 0;  ///< from 0; a frame that a live camera or a numbered series left out
+                           ///< leaves a gap
+
+  ImageView view() const noexcept;
+};
+
+struct SourceInfo {
+  std::string name;  ///< as messages call it: the path, or the camera's device
+  int width_px = 0;  ///< of every frame, upright
+  int height_px = 0;
+  double fps = 30;               ///< nominal
+  std::int64_t frame_count = 0;  ///< as the container promises; 0: unknown or endless
+  bool live = false;
+};
+
+/// Frames one after the other, all of one size that HandTracker takes.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  virtual const SourceInfo& info() const noexcept = 0;
+
+  /// Fills `frame`; false at the proper end. Throws Error when the input ends early (the message
+  /// says how much of it could be read), changes its size, or the camera is unplugged.
+  virtual bool read(Frame& frame) = 0;
+};
+
+/// Opens what the command line calls INPUT: a video file, a picture, a numbered series of pictures
+/// ("frames/%04d.png"), a camera ("0", "/dev/video0", or its name or a part of it), or "sample",
+/// the shipped clip. Throws Error. The rotation that phones note in their videos is applied.
+/// A live camera gives its newest frame; what came in between is left out.
+std::unique_ptr<FrameSource> open_input(const std::string& input);
+
+}  // namespace handyar::io

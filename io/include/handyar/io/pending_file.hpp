@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+namespace handyar::io {
+
+/// A file in the making: it is written under a temporary name beside its target and takes the
+/// target's place on commit(). Without commit() nothing is left and an older file stays as it was.
+/// A target that is not a regular file (/dev/stdout, a pipe) is written directly.
+class PendingFile {
+ public:
+  /// Creates the temporary file; throws Error when that is impossible.
+  explicit PendingFile(const std::string& target);
+  ~PendingFile();
+  PendingFile(PendingFile&& other) noexcept;
+  PendingFile& operator=(PendingFile&&) = delete;
+
+  /// Where to write; has the target's extension.
+  const std::string& path() const noexcept { return path_; }
+  const std::string& target() const noexcept { return target_; }
+
+  void commit();
+
+ private:
+  std::string target_, destination_, path_;
+  bool pending_ = false;
+};
+
+/// Writes a whole text file that way.
+void write_text(const std::string& target, const std::string& text);
+
+/// Reads a whole text file of at most 1 MiB; throws Error.
+std::string read_text(const std::string& path);
+
+}  // namespace handyar::io

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/videoio.hpp>
+#include <string>
+
+#include "handyar/io/pending_file.hpp"
+
+namespace handyar::io {
+
+/// Writes .mp4, .mkv or .mov (H.264 where there is an encoder, else MPEG-4) or .avi (MPEG-4). The
+/// file takes its name on finish(). Throws Error.
+class VideoWriter {
+ public:
+  VideoWriter(const std::string& path, int width_px, int height_px, double fps);
+
+  /// `bgr` has the size given at the beginning.
+  void write(const cv::Mat& bgr);
+  void finish();
+
+ private:
+  PendingFile file_;
+  cv::VideoWriter writer_;
+};
+
+}  // namespace handyar::io

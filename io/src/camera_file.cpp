@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/io/camera_file.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "handyar/io/error.hpp"
+#include "handyar/io/pending_file.hpp"
+#include "sources.hpp"
+
+namespace handyar::io {
+namespace {
+
+constexpr int kMaxSide_px = 65536;
+
+// A camera file being read: each getter checks what it gives.
+class Reader {
+ public:
+  Reader(std::string_view text, std::string_view name) : name_(name) {
+    silence_libraries();
+    std::string yaml(text);
+    if (yaml.find('\0') != std::string::npos) fail("is not a camera file (YAML)");
+    // OpenCV insists on its own first line, ROS does not write it.
+    if (!yaml.starts_with("%YAML") && !yaml.starts_with("{") && !yaml.starts_with("<?xml")) {
+      yaml.insert(0, "%YAML:1.0\n---\n");
+    }
+    try {
+      storage_.open(yaml, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+    } catch (const cv::Exception& e) {
+      fail("is not a camera file (YAML): " + e.err);
+    } catch (const std::exception&) {  // its parser lets std::length_error and the like through
+      fail("is not a camera file (YAML)");
+    }
+    if (!storage_.isOpened() || !storage_.root().isMap()) fail("is not a camera file (YAML)");
+  }
+
+  [[noreturn]] void fail(const std::string& fault) const { throw Error(name_, fault); }
+
+  cv::FileNode field(const char* key) const {
+    cv::FileNode node = storage_[key];
+    if (node.empty()) fail(std::string(key) + " is missing");
+    return node;
+  }
+
+  int size(const char* key) const {
+    const cv::FileNode node = field(key);
+    const int value = node.isInt() ? static_cast<int>(node) : 0;
+    if (value < 1 || value > kMaxSide_px) {
+      fail(std::string(key) + " must be a whole number from 1 to " + std::to_string(kMaxSide_px));
+    }
+    return value;
+  }
+
+  // The numbers of an OpenCV matrix, or of a ROS map with the same entries.
+  std::vector<double> matrix(const char* key, int& rows, int& cols) const {
+    const cv::FileNode node = field(key);
+    if (!node.isMap() || !node["data"].isSeq() || !node["rows"].isInt() || !node["cols"].isInt()) {
+      fail(std::string(key) + " is not a matrix (rows, cols, data)");
+    }
+    rows = static_cast<int>(node["rows"]);
+    cols = static_cast<int>(node["cols"]);
+    std::vector<double> values;
+    for (const cv::FileNode& element : node["data"]) {
+      const std::string which = std::string(key) + ": number " + std::to_string(values.size() + 1);
+      if (!element.isInt() && !element.isReal()) fail(which + " is not a number");
+      values.push_back(static_cast<double>(element));
+      if (!std::isfinite(values.back())) fail(which + " is not finite");
+    }
+    if (rows < 1 || cols < 1 || rows > 64 || cols > 64 ||
+        values.size() != static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols)) {
+      fail(std::string(key) + ": rows, cols and the count of its numbers disagree");
+    }
+    return values;
+  }
+
+  std::string text(const char* key) const {
+    const cv::FileNode node = storage_[key];
+    return node.isString() ? static_cast<std::string>(node) : std::string();
+  }
+
+ private:
+  std::string name_;
+  cv::FileStorage storage_;
+};
+
+void read_intrinsics(const Reader& file, Camera& camera) {
+  int rows = 0, cols = 0;
+  const std::vector<double> K = file.matrix("camera_matrix", rows, cols);
+  if (rows != 3 || cols != 3) file.fail("camera_matrix is not 3x3");
+  camera.fx_px = K[0];
+  camera.cx_px = K[2];
+  camera.fy_px = K[4];
+  camera.cy_px = K[5];
+  // A field of view between 3 degrees and 170: anything else is a slip of units or columns.
+  const double side_px = std::max(camera.width_px, camera.height_px);
+  for (const double f_px : {camera.fx_px, camera.fy_px}) {
+    if (f_px <= 0) file.fail("camera_matrix: a focal length is not positive");
+    if (f_px < 0.04 * side_px || f_px > 20 * side_px) {
+      file.fail("camera_matrix: a focal length does not fit the picture's size");
+    }
+  }
+  if (camera.cx_px < 0 || camera.cx_px > camera.width_px || camera.cy_px < 0 ||
+      camera.cy_px > camera.height_px) {
+    file.fail("camera_matrix: the principal point is outside the picture");
+  }
+  if (K[1] != 0 || K[3] != 0 || K[6] != 0 || K[7] != 0 || K[8] != 1) {
+    file.fail("camera_matrix is not of the form fx 0 cx, 0 fy cy, 0 0 1");
+  }
+}
+
+void read_distortion(const Reader& file, Camera& camera) {
+  const std::string model = file.text("distortion_model");
+  if (!model.empty() && model != "plumb_bob" && model != "rational_polynomial") {
+    file.fail("distortion_model " + model + " is not supported, only plumb_bob");
+  }
+  int rows = 0, cols = 0;
+  const std::vector<double> d = file.matrix("distortion_coefficients", rows, cols);
+  if ((rows != 1 && cols != 1) || (d.size() != 4 && d.size() != 5 && d.size() != 8)) {
+    file.fail("distortion_coefficients: 4, 5 or 8 numbers are expected, not " +
+              std::to_string(d.size()));
+  }
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    if (i >= camera.distortion.size()) {
+      if (d[i] != 0) file.fail("distortion_coefficients: k4, k5, k6 are not supported, only zero");
+      continue;
+    }
+    if (std::abs(d[i]) > 100) {
+      file.fail("distortion_coefficients: number " + std::to_string(i + 1) + " is beyond reason");
+    }
+    camera.distortion[i] = d[i];
+  }
+}
+
+void append(std::string& text, double value) {
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+  const std::string_view number(digits, static_cast<std::size_t>(end - digits));
+  text += number;
+  if (number.find_first_of(".e") == std::string_view::npos) text += '.';  // a real to OpenCV
+}
+
+}  // namespace
+
+Camera parse_camera(std::string_view text, std::string_view name) {
+  try {
+    const Reader file(text, name);
+    Camera camera;
+    camera.width_px = file.size("image_width");
+    camera.height_px = file.size("image_height");
+    read_intrinsics(file, camera);
+    read_distortion(file, camera);
+    return camera;
+  } catch (const cv::Exception& e) {
+    throw Error(name, "is not a camera file (YAML): " + e.err);
+  }
+}
+
+Camera read_camera(const std::string& path) { return parse_camera(read_text(path), path); }
+
+void write_camera(const std::string& path, const Camera& camera) {
+  std::string text =
+      "%YAML:1.0\n---\nimage_width: " + std::to_string(camera.width_px) +
+      "\nimage_height: " + std::to_string(camera.height_px) +
+      "\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ ";
+  const double K[] = {camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, 1};
+  for (int i = 0; i < 9; ++i) append(text += i == 0 ? "" : ", ", K[i]);
+  text +=
+      " ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data: [ ";
+  for (std::size_t i = 0; i < 5; ++i) append(text += i == 0 ? "" : ", ", camera.distortion[i]);
+  write_text(path, text + " ]\n");
+}
+
+Camera camera_for_size(const Camera& camera, int width_px, int height_px, const std::string& path) {
+  const double scale_x = static_cast<double>(width_px) / camera.width_px;
+  const double height_expected_px = camera.height_px * scale_x;
+  if (std::abs(height_expected_px - height_px) > 1.0) {
+    throw Error(path, "is for pictures of " + std::to_string(camera.width_px) + "x" +
+                          std::to_string(camera.height_px) + " pixels, the input has " +
+                          std::to_string(width_px) + "x" + std::to_string(height_px) +
+                          ": another shape, so it cannot be scaled to it");
+  }
+  return camera.scaled_to(width_px, height_px);
+}
+
+}  // namespace handyar::io

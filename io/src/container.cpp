@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#include "container.hpp"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+namespace handyar::io {
+namespace {
+
+class Bytes {
+ public:
+  explicit Bytes(const std::string& path) : stream_(path, std::ios::binary) {
+    std::error_code fault;
+    const auto size = std::filesystem::file_size(path, fault);
+    size_ = fault ? 0 : size;
+  }
+  std::uint64_t size() const { return size_; }
+
+  /// Bytes from `at`; fewer than asked at the end.
+  std::string read(std::uint64_t at, std::size_t count) {
+    std::string bytes(count, '\0');
+    stream_.clear();
+    stream_.seekg(static_cast<std::streamoff>(at));
+    stream_.read(bytes.data(), static_cast<std::streamsize>(count));
+    bytes.resize(static_cast<std::size_t>(stream_.gcount()));
+    return bytes;
+  }
+
+ private:
+  std::ifstream stream_;
+  std::uint64_t size_ = 0;
+};
+
+std::uint64_t big_endian(std::string_view bytes) {
+  std::uint64_t value = 0;
+  for (const char c : bytes) value = value << 8 | static_cast<std::uint8_t>(c);
+  return value;
+}
+
+std::uint64_t little_endian(std::string_view bytes) {
+  return big_endian(std::string(bytes.rbegin(), bytes.rend()));
+}
+
+// ISO 14496-12: boxes one after the other, each with its length in front.
+bool mp4_cut_short(Bytes& file) {
+  bool has_index = false;
+  for (std::uint64_t at = 0; at < file.size();) {
+    const std::string head = file.read(at, 16);
+    if (head.size() < 8) return true;
+    std::uint64_t length = big_endian(std::string_view(head).substr(0, 4));
+    if (length == 1 && head.size() == 16) length = big_endian(std::string_view(head).substr(8, 8));
+    has_index |= head.compare(4, 4, "moov") == 0;
+    if (length == 0) break;  // to the end of the file, whatever that is
+    if (length < 8) return false;
+    if (length > file.size() - at) return true;
+    at += length;
+  }
+  return !has_index;
+}
+
+// RIFF chunks one after the other; long AVIs have several. A recording that was not closed says 0.
+bool avi_cut_short(Bytes& file) {
+  for (std::uint64_t at = 0; at < file.size();) {
+    const std::string head = file.read(at, 8);
+    if (head.size() < 8 || head.compare(0, 4, "RIFF") != 0) return false;
+    const std::uint64_t length = little_endian(std::string_view(head).substr(4, 4));
+    if (length == 0) return true;
+    if (length + 8 > file.size() - at) return true;
+    at += length + 8 + (length & 1);
+  }
+  return false;
+}
+
+struct Element {
+  std::uint64_t data_at = 0, length = 0;
+  bool known = false;  ///< the length is stated
+};
+
+// RFC 8794: an identifier, then a length whose first byte says how many bytes it has.
+Element ebml_element(Bytes& file, std::uint64_t at) {
+  const std::string head = file.read(at + 4, 8);  // both identifiers asked about have four bytes
+  if (head.empty()) return {};
+  const auto first = static_cast<std::uint8_t>(head[0]);
+  std::size_t count = 1;
+  while (count <= 8 && (first & (0x80u >> (count - 1))) == 0) ++count;
+  if (count > 8 || head.size() < count) return {};
+  const std::uint64_t mask = (std::uint64_t{1} << (7 * count)) - 1;
+  const std::uint64_t length = big_endian(std::string_view(head).substr(0, count)) & mask;
+  return {at + 4 + count, length, length != mask};
+}
+
+bool matroska_cut_short(Bytes& file) {
+  const Element header = ebml_element(file, 0);
+  if (!header.known || header.length > file.size()) return header.known;
+  const std::uint64_t at = header.data_at + header.length;
+  if (file.read(at, 4) != "\x18\x53\x80\x67") return false;
+  const Element segment = ebml_element(file, at);
+  return segment.known && segment.data_at + segment.length > file.size();
+}
+
+}  // namespace
+
+bool is_cut_short(const std::string& path) {
+  Bytes file(path);
+  const std::string head = file.read(0, 12);
+  if (head.size() < 12) return false;
+  if (head.compare(4, 4, "ftyp") == 0) return mp4_cut_short(file);
+  if (head.compare(0, 4, "RIFF") == 0 && head.compare(8, 4, "AVI ") == 0) {
+    return avi_cut_short(file);
+  }
+  if (head.compare(0, 4, "\x1a\x45\xdf\xa3") == 0) return matroska_cut_short(file);
+  return false;
+}
+
+bool looks_like_text(const std::string& path) {
+  const std::string head = Bytes(path).read(0, 512);
+  for (const char c : head) {
+    const auto byte = static_cast<std::uint8_t>(c);
+    if (byte == 0x7f || (byte < 0x20 && std::strchr("\t\n\v\f\r\x1b", byte) == nullptr) ||
+        byte == 0) {
+      return false;
+    }
+  }
+  return head.compare(0, 9, "YUV4MPEG2") != 0;
+}
+
+}  // namespace handyar::io

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "container.hpp"
+#include "handyar/io/error.hpp"
+#include "sources.hpp"
+
+namespace handyar::io {
+namespace {
+
+constexpr double kDefaultFps = 30.0;
+constexpr double kMaxFps = 1000.0;
+constexpr double kMaxStep_s = 10.0;  // a longer pause between frames is a broken time stamp
+
+// The container's time stamps for as long as they increase. Some containers have none, and OpenCV
+// loses those of the frames that the decoder still holds at the end: from the first bad one each
+// frame follows the one before by the last step known.
+class FrameClock {
+ public:
+  explicit FrameClock(double fps) : step_s_(1.0 / fps) {}
+
+  double next(double container_s) {
+    if (first_) {
+      first_ = false;
+      start_s_ = container_s;
+      trusted_ = std::isfinite(container_s);
+      return 0.0;
+    }
+    const double step_s = container_s - start_s_ - time_s_;
+    trusted_ = trusted_ && step_s > 1e-6 && step_s < kMaxStep_s;
+    if (trusted_) step_s_ = step_s;
+    time_s_ = trusted_ ? container_s - start_s_ : time_s_ + step_s_;
+    return time_s_;
+  }
+
+ private:
+  double step_s_, start_s_ = 0, time_s_ = 0;
+  bool first_ = true, trusted_ = true;
+};
+
+// How far to turn a decoded picture so that it stands upright, clockwise. OpenCV's own turning is
+// off because 4.6 turns a quarter the wrong way: it gives the angle of FFmpeg's display matrix,
+// which counts the other way round; the versions before and after give it clockwise.
+int clockwise_deg(const cv::VideoCapture& capture) {
+  const double meta = capture.get(cv::CAP_PROP_ORIENTATION_META);
+  if (!std::isfinite(meta)) return 0;
+  const bool counter_clockwise = cv::getVersionMajor() == 4 && cv::getVersionMinor() == 6;
+  const long turn = std::lround(counter_clockwise ? -meta : meta) % 360;
+  return static_cast<int>((turn + 360) % 360);
+}
+
+void turn(cv::Mat& picture, int clockwise) {
+  switch (clockwise) {
+    case 90:
+      return cv::rotate(picture, picture, cv::ROTATE_90_CLOCKWISE);
+    case 180:
+      return cv::rotate(picture, picture, cv::ROTATE_180);
+    case 270:
+      return cv::rotate(picture, picture, cv::ROTATE_90_COUNTERCLOCKWISE);
+    default:
+      return;
+  }
+}
+
+class VideoSource final : public FrameSource {
+ public:
+  explicit VideoSource(const std::string& path) {
+    info_.name = path;
+    cut_short_ = is_cut_short(path);
+    if (looks_like_text(path)) throw Error(path, "is a text file, not a video");
+    try {
+      capture_.open(path, cv::CAP_FFMPEG);
+    } catch (const cv::Exception&) {
+    }
+    if (!capture_.isOpened()) {
+      throw Error(path, cut_short_ ? "breaks off before its index: no frame could be read"
+                                   : "is not a video that can be read");
+    }
+    capture_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
+    clockwise_deg_ = clockwise_deg(capture_);
+    const double fps = capture_.get(cv::CAP_PROP_FPS);
+    info_.fps = std::isfinite(fps) && fps > 0 && fps <= kMaxFps ? fps : kDefaultFps;
+    clock_ = FrameClock(info_.fps);
+    const double count = capture_.get(cv::CAP_PROP_FRAME_COUNT);
+    if (count > 0 && count < 1e9) info_.frame_count = std::llround(count);
+
+    // The first frame is read here: only then is it certain that there is one, and its size.
+    if (!decode(ahead_)) {
+      throw Error(path, cut_short_ ? breaks_off() : "no frame in it could be read");
+    }
+    require_usable(ahead_, path);
+    info_.width_px = ahead_.bgr.cols;
+    info_.height_px = ahead_.bgr.rows;
+    has_ahead_ = true;
+  }
+
+  const SourceInfo& info() const noexcept override { return info_; }
+
+  bool read(Frame& frame) override {
+    if (has_ahead_) {
+      has_ahead_ = false;
+      std::swap(frame, ahead_);
+      return true;
+    }
+    if (!decode(frame)) {
+      if (cut_short_) throw Error(info_.name, breaks_off());
+      return false;
+    }
+    require_same_size(frame, info_);
+    return true;
+  }
+
+ private:
+  bool decode(Frame& frame) {
+    try {
+      if (!capture_.read(frame.bgr) || frame.bgr.empty()) return false;
+    } catch (const cv::Exception&) {
+      throw Error(info_.name, "frame " + std::to_string(decoded_) + " cannot be decoded");
+    }
+    turn(frame.bgr, clockwise_deg_);
+    frame.time_s = clock_.next(capture_.get(cv::CAP_PROP_POS_MSEC) / 1000.0);
+    frame.index = decoded_++;
+    return true;
+  }
+
+  std::string breaks_off() const {
+    std::string text = "breaks off: " + std::to_string(decoded_);
+    if (info_.frame_count > decoded_) text += " of " + std::to_string(info_.frame_count);
+    return text + (decoded_ == 1 && info_.frame_count <= 1 ? " frame" : " frames") +
+           " could be read";
+  }
+
+  cv::VideoCapture capture_;
+  SourceInfo info_;
+  FrameClock clock_{kDefaultFps};
+  Frame ahead_;
+  bool has_ahead_ = false, cut_short_ = false;
+  int clockwise_deg_ = 0;
+  std::int64_t decoded_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_video(const std::string& path) {
+  return std::make_unique<VideoSource>(path);
+}
+
+}  // namespace handyar::io

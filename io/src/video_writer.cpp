@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/io/video_writer.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <vector>
+
+#include "handyar/io/error.hpp"
+#include "sources.hpp"
+
+namespace handyar::io {
+namespace {
+
+// Codecs in order of preference; the first that has an encoder here is taken.
+std::vector<int> codecs_for(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const int h264 = cv::VideoWriter::fourcc('a', 'v', 'c', '1');
+  const int h264_in_matroska = cv::VideoWriter::fourcc('H', '2', '6', '4');
+  const int mpeg4 = cv::VideoWriter::fourcc('m', 'p', '4', 'v');
+  const int mpeg4_in_avi = cv::VideoWriter::fourcc('X', 'V', 'I', 'D');
+  if (extension == ".mp4" || extension == ".mov") return {h264, mpeg4};
+  if (extension == ".mkv") return {h264_in_matroska, mpeg4_in_avi};
+  if (extension == ".avi") return {mpeg4_in_avi};
+  throw Error(path, "its name must end in .mp4, .mov, .mkv or .avi");
+}
+
+}  // namespace
+
+VideoWriter::VideoWriter(const std::string& path, int width_px, int height_px, double fps)
+    : file_((codecs_for(path), path)) {
+  silence_libraries();
+  for (const int codec : codecs_for(path)) {
+    try {
+      if (writer_.open(file_.path(), cv::CAP_FFMPEG, codec, fps, cv::Size(width_px, height_px))) {
+        return;
+      }
+    } catch (const cv::Exception&) {
+    }
+  }
+  throw Error(path, "no video encoder for " + std::to_string(width_px) + "x" +
+                        std::to_string(height_px) + " pixels was found");
+}
+
+void VideoWriter::write(const cv::Mat& bgr) { writer_.write(bgr); }
+
+void VideoWriter::finish() {
+  writer_.release();
+  std::error_code fault;
+  if (std::filesystem::is_regular_file(file_.path(), fault) &&
+      std::filesystem::file_size(file_.path(), fault) == 0) {
+    throw Error(file_.target(), "the video could not be written");
+  }
+  file_.commit();
+}
+
+}  // namespace handyar::io

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+// The command line as its users meet it: the built program is run, and its exit code, its words and
+// the files it leaves are looked at.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include "handyar/io/pose_csv.hpp"
+
+namespace fs = std::filesystem;
+
+namespace handyar {
+namespace {
+
+const std::string kData = HANDYAR_DATA_DIR;
+const std::string kVideo = kData + "/compare/video.mp4";
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+std::string contents(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+int lines(const std::string& text) {
+  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+}
+
+class CliTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = fs::path(testing::TempDir()) /
+            (std::string("handyar_cli_") +
+             testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(root_);
+    fs::create_directories(root_ / "out");
+    fs::create_directories(root_ / "in");
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  std::string in(const std::string& name) const { return (root_ / "in" / name).string(); }
+  std::string out(const std::string& name) const { return (root_ / "out" / name).string(); }
+  std::string outputs() const { return " --poses " + out("p.csv") + " --video " + out("v.mp4"); }
+  std::set<std::string> left() const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(root_ / "out")) {
+      names.insert(entry.path().filename().string());
+    }
+    return names;
+  }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(in(name), std::ios::binary) << text;
+  }
+  // A file of the sample with one thing changed.
+  std::string changed(const std::string& file, const std::string& what,
+                      const std::string& by) const {
+    std::string text = contents(kData + "/compare/" + file);
+    const auto at = text.find(what);
+    EXPECT_NE(at, std::string::npos);
+    write(file, text.replace(at, what.size(), by));
+    return in(file);
+  }
+
+  Outcome run(const std::string& arguments, const std::string& environment = "") const {
+    const std::string out = (root_ / "stdout").string(), err = (root_ / "stderr").string();
+    const int status = std::system((environment + " '" HANDYAR_PROGRAM "' " + arguments + " >" +
+                                    out + " 2>" + err + " </dev/null")
+                                       .c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out),
+            contents(err)};
+  }
+
+  // Exit 1, one line that names `subject`, and nothing left behind.
+  void expect_refused(const std::string& arguments, const std::string& subject,
+                      const std::string& fault) const {
+    const Outcome r = run("track " + arguments);
+    EXPECT_EQ(r.code, 1) << arguments;
+    EXPECT_EQ(lines(r.err), 1) << r.err;
+    EXPECT_EQ(r.err.rfind("handyar: " + subject + ": ", 0), 0u) << r.err;
+    EXPECT_NE(r.err.find(fault), std::string::npos) << r.err;
+    EXPECT_EQ(r.out, "");
+    EXPECT_EQ(left(), std::set<std::string>{}) << arguments;
+  }
+
+  fs::path root_;
+};
+
+TEST_F(CliTest, BadInputsAreRefusedInOneLine) {
+  write("text.mp4", "This is a text.\n");
+  write("one.pgm.ppm", std::string("P6\n1 1\n255\nabc"));
+  expect_refused(in("text.mp4") + outputs(), in("text.mp4"), "is a text file, not a video");
+  expect_refused(in("no.mp4") + outputs(), in("no.mp4"), "no such file");
+  expect_refused(in("") + outputs(), in(""), "is a folder");
+  expect_refused(in("one.pgm.ppm") + outputs(), in("one.pgm.ppm"), "1x1");
+  expect_refused("/dev/video987" + outputs(), "/dev/video987", "no such camera");
+}
+
+TEST_F(CliTest, BadFilesAreRefusedInOneLine) {
+  const std::string nan = changed("camera.yml", "data: [ 6", "data: [ .nan, 6");
+  expect_refused(kVideo + " --camera " + nan + outputs(), nan, "camera_matrix");
+  const std::string wide = changed("camera.yml", "image_width: 640", "image_width: 853");
+  expect_refused(kVideo + " --camera " + wide + outputs(), wide, "another shape");
+  const std::string four = changed("hand.json", "\"little\"", "\"fifth\"");
+  expect_refused(kVideo + " --hand " + four + outputs(), four, "there is no fifth on a hand");
+  expect_refused(kVideo + " --hand " + in("no.json") + outputs(), in("no.json"), "cannot be read");
+  expect_refused(kVideo + " --camera " + in("no.yml") + outputs(), in("no.yml"), "cannot be read");
+}
+
+TEST_F(CliTest, OutputsThatCannotBeWrittenAreRefusedInOneLine) {
+  expect_refused(kVideo + " --poses /proc/p.csv", "/proc/p.csv", "cannot be written");
+  expect_refused(kVideo + " --video /proc/v.mp4 --poses " + out("p.csv"), "/proc/v.mp4",
+                 "cannot be written");
+  expect_refused(kVideo + " --poses " + out("no/p.csv"), out("no/p.csv"), "cannot be written");
+  expect_refused(kVideo + " --video " + out("v.txt"), out("v.txt"), ".mp4");
+  const Outcome r = run("demo --out /proc/demo");
+  EXPECT_EQ(r.code, 1);
+  EXPECT_EQ(lines(r.err), 1) << r.err;
+}
+
+TEST_F(CliTest, NoDisplayIsSaidInOneLine) {
+  for (const char* display : {"-u DISPLAY", "DISPLAY=:987"}) {
+    const Outcome r =
+        run("track " + kVideo + " --show", std::string("env -u WAYLAND_DISPLAY ") + display);
+    EXPECT_EQ(r.code, 1);
+    EXPECT_EQ(lines(r.err), 1) << r.err;
+    EXPECT_EQ(r.err.rfind("handyar: --show: ", 0), 0u) << r.err;
+  }
+}
+
+TEST_F(CliTest, WrongUsageIsTwo) {
+  fs::copy_file(kVideo, in("v.mp4"));
+  for (const std::string& arguments :
+       {std::string(""), std::string("dance"), std::string("track"), "track " + kVideo + " --poses",
+        "track " + kVideo + " --processing third", "track " + kVideo + " --fingertips nails",
+        "track " + kVideo + " --poses " + out("a") + " --video " + out("a"),
+        "track " + in("v.mp4") + " --video " + in("v.mp4"), "track " + kVideo + " another",
+        std::string("cameras 1")}) {
+    const Outcome r = run(arguments);
+    EXPECT_EQ(r.code, 2) << arguments;
+    EXPECT_EQ(lines(r.err), 1) << r.err;
+    EXPECT_EQ(left(), std::set<std::string>{});
+  }
+  EXPECT_EQ(contents(in("v.mp4")), contents(kVideo));
+}
+
+TEST_F(CliTest, HelpVersionAndCamerasSucceed) {
+  EXPECT_EQ(run("--version").out.rfind("handyar ", 0), 0u);
+  for (const char* arguments : {"--help", "track --help", "demo --help", "cameras --help"}) {
+    const Outcome r = run(arguments);
+    EXPECT_EQ(r.code, 0) << arguments;
+    EXPECT_EQ(r.err, "");
+    EXPECT_NE(r.out.find("Usage: handyar"), std::string::npos) << r.out;
+  }
+  const Outcome cameras = run("cameras");
+  EXPECT_EQ(cameras.code, 0);
+  EXPECT_GE(lines(cameras.out), 1);
+}
+
+TEST_F(CliTest, TracksAVideoAndSaysWhatItAssumed) {
+  const Outcome r = run("track " + kVideo + outputs());
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_EQ(lines(r.err), 2) << r.err;
+  EXPECT_NE(r.err.find("60 degrees"), std::string::npos);
+  EXPECT_NE(r.err.find("average adult hand"), std::string::npos);
+  EXPECT_EQ(r.out.rfind("90 frames, ", 0), 0u) << r.out;
+  EXPECT_EQ(left(), (std::set<std::string>{"p.csv", "v.mp4"}));
+  const std::string poses = contents(out("p.csv"));
+  EXPECT_EQ(poses.rfind(std::string(io::kPoseCsvHeader) + "\n0,0.000000,", 0), 0u);
+  EXPECT_EQ(lines(poses), 91);
+}
+
+TEST_F(CliTest, SameInputGivesTheSameRows) {
+  const std::string files =
+      " --camera " + kData + "/compare/camera.yml --hand " + kData + "/compare/hand.json";
+  const Outcome a = run("track " + kVideo + files + " --no-timings --poses " + out("a.csv"));
+  const Outcome b = run("track " + kVideo + files + " --no-timings --poses " + out("b.csv"));
+  EXPECT_EQ(a.code, 0);
+  EXPECT_EQ(a.err, "");
+  EXPECT_EQ(a.out.find("median"), std::string::npos);
+  EXPECT_NE(contents(out("a.csv")), "");
+  EXPECT_EQ(contents(out("a.csv")), contents(out("b.csv")));
+}
+
+TEST_F(CliTest, VideoThatBreaksOffKeepsItsRows) {
+  const std::string whole = contents(kVideo);
+  write("half.mp4", whole.substr(0, whole.size() / 2));
+  const Outcome r = run("track " + in("half.mp4") + outputs());
+  EXPECT_EQ(r.code, 1);
+  EXPECT_EQ(left(), (std::set<std::string>{"p.csv", "v.mp4"}));
+  const int rows = lines(contents(out("p.csv"))) - 1;
+  EXPECT_GT(rows, 20);
+  EXPECT_LT(rows, 80);
+  EXPECT_NE(
+      r.err.find("half.mp4: breaks off: " + std::to_string(rows) + " of 90 frames could be read\n"),
+      std::string::npos)
+      << r.err;
+}
+
+TEST_F(CliTest, InterruptFinishesTheFiles) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::freopen("/dev/null", "w", stderr);
+    ::execl(HANDYAR_PROGRAM, "handyar", "track", (kData + "/sample/video.mp4").c_str(), "--poses",
+            out("p.csv").c_str(), "--video", out("v.mp4").c_str(), nullptr);
+    ::_exit(99);
+  }
+  // Interrupts are caught before the first output file is there.
+  while (left().empty()) std::this_thread::yield();
+  ::kill(child, SIGINT);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;  // it was done before the signal came
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_EQ(left(), (std::set<std::string>{"p.csv", "v.mp4"}));
+  const std::string poses = contents(out("p.csv"));
+  EXPECT_EQ(poses.back(), '\n');
+  EXPECT_LT(lines(poses), 201);
+}
+
+TEST_F(CliTest, DemoMakesVideoAndPoses) {
+  const Outcome r = run("demo --out " + out("demo"));
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_EQ(r.err, "");
+  EXPECT_NE(r.out.find("200 frames"), std::string::npos) << r.out;
+  EXPECT_EQ(lines(contents(out("demo/poses.csv"))), 201);
+  EXPECT_GT(fs::file_size(out("demo/annotated.mp4")), 100000u);
+}
+
+}  // namespace
+}  // namespace handyar
