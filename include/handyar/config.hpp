@@ -10,6 +10,7 @@ namespace handyar {
 struct Config {
   bool half_resolution = false;  ///< segment and find fingertips at half the input's size
   FingertipConfig fingertips;
+  PoseConfig pose;
   PoseFilterConfig filter;
 
   /// Clock for StageTimes, in seconds; null: times stay zero. Nothing else depends on it.
