@@ -208,8 +208,9 @@ bool HandTracker::Impl::segment(const ImageView& frame) noexcept {
   read_bins(frame, region_of_interest(dt), config.half_resolution ? 2 : 1, bins);
   if (bins.width < 16 || bins.height < 16) return false;
   region.classify(bins, skin.ratios(), 0, true);
-  if (region.components(bins.width * bins.height / 50).empty()) return false;
   const HandShape before = to_mask(shape);
+  region.remove_thin(std::max(1, static_cast<int>(0.14f * before.finger_width + 0.5f)));
+  if (region.components(bins.width * bins.height / 50).empty()) return false;
   const Eigen::Vector2f at =
       before.palm() + static_cast<float>(dt) / static_cast<float>(bins.step_px) * velocity_px_s;
   const Component* holder = region.component_at(int(at.x()), int(at.y()));
