@@ -129,7 +129,6 @@ void HandSearch::add_levels(int channel, int levels) noexcept {
 void HandSearch::list_readings(const BinImage& image) noexcept {
   reading_count_ = 0;
   const auto add = [&](const Reading& r) { readings_[reading_count_++] = r; };
-  for (const int t : {0, 8, -8}) add({kSkin, t});
   for (const int t : {-8, 0, 8, 16}) add({kPrior, t});
   for (const int t : {-16, -12, -8, -4, 0, 8}) add({kScene, t});
   for (const int channel : {kLuma, kRed, kBlue}) add_levels(channel, 5);
@@ -222,6 +221,9 @@ bool HandSearch::find(const BinImage& image, ColorSpace space, const SkinModel& 
   shape.deviation = static_cast<float>(shape_config_.max_deviation);
   Component component;
   int winner = -1;
+  // What was learned comes first in every frame; the other readings take turns.
+  readings_[reading_count_] = {kSkin, 0};
+  if (try_reading(image, readings_[reading_count_], shape, component)) winner = reading_count_;
   for (int k = 0; k < std::min(config_.readings_per_frame, reading_count_); ++k) {
     const int i = (next_ + k) % reading_count_;
     if (try_reading(image, readings_[i], shape, component)) winner = i;
