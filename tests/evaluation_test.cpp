@@ -94,7 +94,7 @@ TEST(Statistics, AreThoseOfTheUsualDefinitions) {
   EXPECT_DOUBLE_EQ(s.mean, 4);
   EXPECT_DOUBLE_EQ(s.variance, 10);
   EXPECT_DOUBLE_EQ(s.p95, 8.8);  // between the fourth and the fifth, as numpy has it
-  EXPECT_TRUE(std::isnan(summarize({}).mean));
+  EXPECT_TRUE(std::isnan(summarize(std::vector<double>{}).mean));
 }
 
 TEST(Rigid, RobustMeanShrugsOffAFifthOfWrongMeasurements) {

@@ -32,13 +32,11 @@
   // From a little below zero, where the states are, to the largest value in view; a few values far
   // beyond the others are cut off, else they would flatten everything else.
   function yRange(u) {
-    const { min, max } = u.scales.x;
+    const [first, last] = u.series[0].idxs || [0, u.data[0].length - 1];
     const values = [];
     for (let s = 1; s < u.data.length; ++s)
       if (u.series[s].show)
-        u.data[s].forEach((v, i) => {
-          if (v != null && !(u.data[0][i] < min) && !(u.data[0][i] > max)) values.push(v);
-        });
+        for (let i = first; i <= last; ++i) if (u.data[s][i] != null) values.push(u.data[s][i]);
     if (values.length === 0) return [-0.07, 1];
     values.sort((a, b) => a - b);
     const top = Math.min(values[values.length - 1], 2.5 * values[Math.floor(0.95 * (values.length - 1))]) || 1;

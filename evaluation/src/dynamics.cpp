@@ -14,6 +14,7 @@ constexpr double kLever_m = 0.1;        ///< makes rotation and translation comp
 constexpr double kStill_m = 1e-3;       ///< a step between frames below this is still
 constexpr int kLeastStillFrames = 8;
 constexpr std::size_t kStepFrames = 5;  ///< over which displacements are taken for the delay
+constexpr int kLeastLag = -5, kMostLag = 10;  ///< frames
 constexpr double kMoving_m = 3e-3;      ///< rms displacement above which a delay can be told
 constexpr int kLeastSteps = 30;
 constexpr int kShortGlimpseFrames = 12; ///< in view no longer than this: not held against a tracker
@@ -111,7 +112,8 @@ Jitter jitter(const Truth& truth, const Poses& poses) {
 std::optional<double> delay_s(const Truth& truth, const Poses& poses) {
   Steps steps;
   double moved = 0;
-  for (std::size_t i = kStepFrames; i < poses.size(); ++i) {
+  // Only where truth is known at every lag, so that all lags are tried on the same frames.
+  for (std::size_t i = kStepFrames + kMostLag; i < poses.size() + kLeastLag; ++i) {
     const std::size_t before = i - kStepFrames;
     if (!poses[i] || !poses[before]) continue;
     if (truth.frames[i].other_face != truth.frames[before].other_face) continue;
@@ -124,11 +126,10 @@ std::optional<double> delay_s(const Truth& truth, const Poses& poses) {
 
   // Linear interpolation of truth is exact at whole frames only: the correlation is taken there and
   // its maximum placed by the parabola through the three highest values.
-  constexpr int kLeast = -5, kMost = 10;
   std::vector<double> c;
-  for (int lag = kLeast; lag <= kMost; ++lag) c.push_back(correlation(truth, steps, lag));
+  for (int lag = kLeastLag; lag <= kMostLag; ++lag) c.push_back(correlation(truth, steps, lag));
   const std::size_t best = std::size_t(std::max_element(c.begin(), c.end()) - c.begin());
-  double lag = double(best) + kLeast;
+  double lag = double(best) + kLeastLag;
   if (best > 0 && best + 1 < c.size()) {
     const double curve = c[best - 1] - 2 * c[best] + c[best + 1];
     if (curve < 0) lag += 0.5 * (c[best - 1] - c[best + 1]) / curve;

@@ -76,6 +76,8 @@ std::string section(const Analysis& a, bool open, Tables& tables) {
   h += html::charts(a);
   h += tables.add(accuracy_table(a));
   h += tables.add(tracking_table(a));
+  h += tables.add(motion_table(a));
+  h += tables.add(recovery_table(a));
   h += tables.add(view_table(a));
   h += html::pictures(take_pictures(a), a.has_truth());
   return h;

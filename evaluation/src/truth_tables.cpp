@@ -36,21 +36,6 @@ RecoverySummary summarize_recoveries(const std::vector<Recovery>& all, auto&& wa
   return s;
 }
 
-void add_recoveries(Table& t, const std::vector<Recovery>& all) {
-  const std::pair<Recovery::Kind, const char*> kinds[] = {
-      {Recovery::Kind::first_sight, "found at first sight"},
-      {Recovery::Kind::hidden_before, "found again after tips were hidden"},
-      {Recovery::Kind::lost_in_view, "found again after a loss in plain view"}};
-  for (const auto& [kind, words] : kinds) {
-    const RecoverySummary s = summarize_recoveries(all, [kind = kind](auto k) { return k == kind; });
-    const std::string row = words;
-    t.add(row + ": times", "value", s.count);
-    t.add(row + ": never", "value", s.never);
-    t.add(row + ": median", "value", s.after_s.median, "s");
-    t.add(row + ": longest", "value", s.after_s.max, "s");
-  }
-}
-
 void add_view_rows(Table& t, const Analysis& a, const std::string& what, double width,
                    double FrameError::*of, const std::string& unit) {
   double most = 0;
@@ -107,37 +92,63 @@ Table accuracy_table(const Analysis& a) {
 }
 
 Table tracking_table(const Analysis& a) {
-  Table t{"tracking", a.recording.sequence.name, "Tracking, stillness, delay, recovery",
-          "Wrong: of the tracked frames. Falsely tracked: state `tracking` while less than a "
-          "twentieth of the hand is in the picture. Jitter: standard deviation of the pose's error "
-          "in runs of eight and more frames in which the hand moves less than 1 mm a frame. Delay: where "
-          "the displacements of three points of the hand correlate best with the true ones. "
-          "Found: from the five tips' coming into view, or a loss in plain view, until they are "
-          "rightly tracked.",
+  Table t{"tracking", a.recording.sequence.name, "Tracking",
+          "Wrong: of the tracked frames. Other face: back taken for palm or the reverse. Falsely "
+          "tracked: while less than a twentieth of the hand is in the picture.",
+          {}};
+  if (!a.has_truth()) return t;
+  const Accuracy acc = summarize(a.main_track().errors);
+  const std::string row = a.recording.sequence.name;
+  t.add(row, "frames", acc.frames);
+  t.add(row, "eligible", acc.eligible, "frames");
+  t.add(row, "tracked", acc.tracked_percent(), "%");
+  t.add(row, "wrong", acc.wrong_percent(), "%");
+  t.add(row, "other face", acc.layout_wrong, "frames");
+  t.add(row, "hand absent", acc.hand_absent, "frames");
+  t.add(row, "falsely tracked", acc.falsely_tracked, "frames");
+  return t;
+}
+
+Table motion_table(const Analysis& a) {
+  Table t{"motion", a.recording.sequence.name, "Stillness and delay",
+          "Jitter: standard deviation of the pose's error in runs of eight and more frames in which "
+          "the hand moves less than 1 mm a frame. Delay: where the displacements of three points of "
+          "the hand correlate best with the true ones; unknown where too little moves.",
           {}};
   if (!a.has_truth()) return t;
   const Sequence& s = a.recording.sequence;
-  const TrackAnalysis& main = a.main_track();
-  const Accuracy acc = summarize(main.errors);
-  t.add("frames", "value", acc.frames);
-  t.add("eligible", "value", acc.eligible, "frames");
-  t.add("tracked", "value", acc.tracked_percent(), "%");
-  t.add("wrong", "value", acc.wrong_percent(), "%");
-  t.add("other face taken for this one", "value", acc.layout_wrong, "frames");
-  t.add("hand absent", "value", acc.hand_absent, "frames");
-  t.add("falsely tracked", "value", acc.falsely_tracked, "frames");
-  for (const bool filtered : {true, false}) {
-    const std::string kind = filtered ? ", filtered" : ", raw";
+  for (const bool filtered : {false, true}) {
+    const std::string row = filtered ? "filtered pose" : "raw pose";
     const Poses poses = right_poses(*s.truth, s.hand, a.recording.main_track().results,
-                                      main.errors, filtered);
+                                    a.main_track().errors, filtered);
     const Jitter j = jitter(*s.truth, poses);
-    t.add("jitter of translation" + kind, "value", j.translation_mm, "mm");
-    t.add("jitter of rotation" + kind, "value", j.rotation_deg, "°");
-    if (filtered) t.add("still", "value", j.frames, "frames");
+    t.add(row, "jitter of translation", j.translation_mm, "mm");
+    t.add(row, "jitter of rotation", j.rotation_deg, "°");
+    t.add(row, "still", j.frames, "frames");
     const std::optional<double> delay = delay_s(*s.truth, poses);
-    t.add("delay" + kind, "value", delay ? 1e3 * *delay : kUnknown, "ms");
+    t.add(row, "delay", delay ? 1e3 * *delay : kUnknown, "ms");
   }
-  add_recoveries(t, recoveries(*s.truth, main.errors));
+  return t;
+}
+
+Table recovery_table(const Analysis& a) {
+  Table t{"recovery", a.recording.sequence.name, "Finding the hand",
+          "From the five tips' coming into view, or a loss in plain view, until they are rightly "
+          "tracked. Never: hidden again or at the end before that.",
+          {}};
+  if (!a.has_truth()) return t;
+  const std::vector<Recovery> all = recoveries(*a.recording.sequence.truth, a.main_track().errors);
+  const std::pair<Recovery::Kind, const char*> kinds[] = {
+      {Recovery::Kind::first_sight, "at first sight"},
+      {Recovery::Kind::hidden_before, "after tips were hidden"},
+      {Recovery::Kind::lost_in_view, "after a loss in plain view"}};
+  for (const auto& [kind, row] : kinds) {
+    const RecoverySummary s = summarize_recoveries(all, [kind = kind](auto k) { return k == kind; });
+    t.add(row, "times", s.count);
+    t.add(row, "never found", s.never);
+    t.add(row, "median", s.after_s.median, "s");
+    t.add(row, "longest", s.after_s.max, "s");
+  }
   return t;
 }
 
