@@ -231,7 +231,8 @@ TEST(Dynamics, JitterIsTheSpreadOfTheErrorNotItsMean) {
   Poses trembling(200);
   for (auto& T : trembling) {
     T = pose(normal3(random, 0.1 * kRadians), {0, 0, 0}) * hand_at(0);
-    T->translation() = hand_at(0).translation() + normal3(random, 2e-4) + Eigen::Vector3d(0.01, 0, 0);
+    T->translation() =
+        hand_at(0).translation() + normal3(random, 2e-4) + Eigen::Vector3d(0.01, 0, 0);
   }
   const Jitter j = jitter(truth, trembling);
   EXPECT_EQ(j.frames, 200);

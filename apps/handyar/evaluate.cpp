@@ -11,6 +11,7 @@
 #include "command.hpp"
 #include "handyar/evaluation/report.hpp"
 #include "handyar/io/error.hpp"
+#include "handyar/io/pending_file.hpp"
 
 namespace handyar::cli {
 namespace {
@@ -18,11 +19,13 @@ namespace {
 using namespace handyar::evaluation;
 
 constexpr const char* kExamples =
-    "A SEQUENCE is a video file, or a folder with video.mp4 and, where there are such, truth.json,\n"
+    "A SEQUENCE is a video file, or a folder with video.mp4 and, where there are such, "
+    "truth.json,\n"
     "camera.yml and hand.json.\n\n"
     "Examples:\n"
     "  handyar evaluate sample --report report\n"
-    "  handyar evaluate hand.mp4 --camera camera.yml --hand hand.json --board 8x6 --square-mm 25 \\\n"
+    "  handyar evaluate hand.mp4 --camera camera.yml --hand hand.json --board 8x6 --square-mm 25 "
+    "\\\n"
     "                   --report report\n"
     "  handyar evaluate --stills stills/fingertips.csv --report report";
 
@@ -88,6 +91,8 @@ int evaluate(const Evaluation& e) {
   std::error_code fault;
   std::filesystem::create_directories(e.report, fault);
   if (fault) throw io::Error(e.report, "cannot be written to: " + fault.message());
+  // Known before the long work, not after it.
+  { const io::PendingFile probe((std::filesystem::path(e.report) / "report.html").string()); }
 
   std::vector<Analysis> analyses;
   for (const Sequence& s : open_sequences(e.sequences, options)) {
@@ -131,6 +136,7 @@ Command add_evaluate(CLI::App& app) {
   options->add_option("--aruco-mm", e->aruco_mm, "Side of an ArUco marker in view")
       ->check(CLI::PositiveNumber);
   options->add_option("--aruco-dictionary", e->aruco_dictionary, "Its dictionary")
+      ->check(CLI::IsMember(aruco_dictionaries()))
       ->capture_default_str();
   options->add_option("--apriltag-mm", e->apriltag_mm, "Side of an AprilTag (36h11) in view")
       ->check(CLI::PositiveNumber);

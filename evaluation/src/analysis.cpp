@@ -70,23 +70,29 @@ std::vector<std::string> what_is_unknown(const Analysis& a) {
   std::vector<std::string> u;
   if (!a.recording.broken_off.empty()) u.push_back(a.recording.broken_off);
   if (!s.truth)
-    u.push_back("No truth.json: whether the fingertips and the pose are right, the delay, and the "
-                "honesty of the covariance cannot be said.");
+    u.push_back(
+        "No truth.json: whether the fingertips and the pose are right, the delay, and the "
+        "honesty of the covariance cannot be said.");
   if (s.camera.assumed)
-    u.push_back("The camera was not calibrated (60 degrees across were assumed): lengths and angles "
-                "are approximate.");
+    u.push_back(
+        "The camera was not calibrated (60 degrees across were assumed): lengths and angles "
+        "are approximate.");
   if (s.hand.scale_assumed())
-    u.push_back("The hand was not measured (an average adult's was assumed): distances have the "
-                "right shape and an assumed scale.");
+    u.push_back(
+        "The hand was not measured (an average adult's was assumed): distances have the "
+        "right shape and an assumed scale.");
   if (!s.board)
-    u.push_back("No checkerboard is known: the paper's reprojection error (Tables 2 and 3, "
-                "Figure 8) cannot be measured. Own footage: --board 8x6 --square-mm 25.");
+    u.push_back(
+        "No checkerboard is known: the paper's reprojection error (Tables 2 and 3, "
+        "Figure 8) cannot be measured. Own footage: --board 8x6 --square-mm 25.");
   else if (!a.has_board())
-    u.push_back("The checkerboard was not found whole in any frame: the paper's reprojection error "
-                "(Tables 2 and 3, Figure 8) cannot be measured.");
+    u.push_back(
+        "The checkerboard was not found whole in any frame: the paper's reprojection error "
+        "(Tables 2 and 3, Figure 8) cannot be measured.");
   else if (s.truth && !s.truth->hand_still_in_world)
-    u.push_back("The hand moves relative to the board: its reprojection error at the board's "
-                "corners has no meaning here.");
+    u.push_back(
+        "The hand moves relative to the board: its reprojection error at the board's "
+        "corners has no meaning here.");
   else if (!s.truth)
     u.push_back("The hand was taken to lie still beside the board all the time.");
   for (const char* system : {"ArUco", "AprilTag"})
@@ -140,7 +146,8 @@ ErrorColumns error_columns(const Analysis& a) {
     add(title, [&](std::size_t i) { return i < list.size() ? list[i] : kUnknown; });
   };
   const auto add_error = [&](const std::string& title, auto member) {
-    add(title, [&](std::size_t i) { return double(member(main.errors[i])); }, !main.errors.empty());
+    add(
+        title, [&](std::size_t i) { return double(member(main.errors[i])); }, !main.errors.empty());
   };
   add_list("time_s", a.recording.time_s);
   add_error("eligible", [](const FrameError& e) { return e.eligible; });
@@ -158,7 +165,8 @@ ErrorColumns error_columns(const Analysis& a) {
   add_list("board_exact_raw_px", main.raw.exact_px);
   add_list("board_exact_filtered_px", main.filtered.exact_px);
   for (std::size_t f = 0; f < kFingerCount; ++f)
-    add_error(std::string(kFingerNames[f]) + "_px", [f](const FrameError& e) { return e.tip_px[f]; });
+    add_error(std::string(kFingerNames[f]) + "_px",
+              [f](const FrameError& e) { return e.tip_px[f]; });
   add_error("span_px", [](const FrameError& e) { return e.span_px; });
   add_error("rotation_raw_deg", [](const FrameError& e) { return e.raw.rotation_deg; });
   add_error("rotation_deg", [](const FrameError& e) { return e.filtered.rotation_deg; });
@@ -168,7 +176,8 @@ ErrorColumns error_columns(const Analysis& a) {
   add_error("nees", [](const FrameError& e) { return e.filtered.nees; });
   add_error("tilt_deg", [](const FrameError& e) { return e.tilt_deg; });
   add_error("distance_mm", [](const FrameError& e) { return e.distance_mm; });
-  add("rms_px", [&](std::size_t i) { return results[i].raw_pose ? results[i].raw_pose->rms_px : kUnknown; });
+  add("rms_px",
+      [&](std::size_t i) { return results[i].raw_pose ? results[i].raw_pose->rms_px : kUnknown; });
   add("total_ms", [&](std::size_t i) { return results[i].times.total_ms; });
   return c;
 }

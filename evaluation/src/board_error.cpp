@@ -23,7 +23,8 @@ double rms_distance_px(std::span<const Eigen::Vector2d> a, std::span<const Eigen
 std::vector<Eigen::Vector2d> project_board(const Board& board, const Camera& camera,
                                            const Eigen::Isometry3d& T_camera_board) {
   std::vector<Eigen::Vector2d> px;
-  for (const Eigen::Vector3d& p : board.corners_m()) px.push_back(camera.project(T_camera_board * p));
+  for (const Eigen::Vector3d& p : board.corners_m())
+    px.push_back(camera.project(T_camera_board * p));
   return px;
 }
 
@@ -41,8 +42,8 @@ std::vector<double> board_errors_px(const Board& board, const Camera& camera,
     const Eigen::Isometry3d T_thing_board = robust_mean(measured);
     for (std::size_t i = 0; i < views.size(); ++i)
       if (half_of(i) == judged && views[i] && T_camera_thing[i])
-        errors[i] = rms_distance_px(project_board(board, camera, *T_camera_thing[i] * T_thing_board),
-                                    views[i]->corners_px);
+        errors[i] = rms_distance_px(
+            project_board(board, camera, *T_camera_thing[i] * T_thing_board), views[i]->corners_px);
   }
   return errors;
 }

@@ -26,23 +26,31 @@ struct Chart {
 const std::array<Chart, 6>& all_charts() {
   static const std::array<Chart, 6> charts = {{
       {"Figure 8: reprojection error over time",
-       "At the board's inner corners, rms a frame; transforms fitted on the other half of the frames.",
+       "At the board's inner corners, rms a frame; transforms fitted on the other half of the "
+       "frames.",
        "error (px)",
        {{"hand, raw", "board_raw_px"},
         {"hand, filtered", "board_filtered_px"},
         {"ArUco", "board_aruco_px"},
         {"AprilTag", "board_apriltag_px"}}},
-      {"Fingertips", "Distance of each found fingertip from the true one.", "error (px)",
+      {"Fingertips",
+       "Distance of each found fingertip from the true one.",
+       "error (px)",
        {{"thumb", "thumb_px"},
         {"index", "index_px"},
         {"middle", "middle_px"},
         {"ring", "ring_px"},
         {"little", "little_px"}}},
-      {"Rotation", "Angle between the pose and the true one.", "error (°)",
+      {"Rotation",
+       "Angle between the pose and the true one.",
+       "error (°)",
        {{"raw", "rotation_raw_deg"}, {"filtered", "rotation_deg"}}},
-      {"Translation", "Distance between the pose's position and the true one.", "error (mm)",
+      {"Translation",
+       "Distance between the pose's position and the true one.",
+       "error (mm)",
        {{"raw", "translation_raw_mm"}, {"filtered", "translation_mm"}}},
-      {"Residual", "Distance of the fingertips from where the raw pose projects them, rms a frame.",
+      {"Residual",
+       "Distance of the fingertips from where the raw pose projects them, rms a frame.",
        "residual (px)",
        {{"raw pose", "rms_px"}}},
       {"Time", "What the tracker took for each frame.", "time (ms)", {{"total", "total_ms"}}},
@@ -85,7 +93,8 @@ std::string charts(const Analysis& a) {
   }
   std::string text = data.dump();
   // A "</" would end the script element early.
-  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos;) text.replace(at, 2, "<\\/");
+  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos;)
+    text.replace(at, 2, "<\\/");
   return "<div class=\"charts\"><script type=\"application/json\">" + text + "</script></div>\n";
 }
 

@@ -10,14 +10,15 @@
 namespace handyar::evaluation {
 namespace {
 
-constexpr double kLever_m = 0.1;        ///< makes rotation and translation comparable
-constexpr double kStill_m = 1e-3;       ///< a step between frames below this is still
+constexpr double kLever_m = 0.1;   ///< makes rotation and translation comparable
+constexpr double kStill_m = 1e-3;  ///< a step between frames below this is still
 constexpr int kLeastStillFrames = 8;
-constexpr std::size_t kStepFrames = 5;  ///< over which displacements are taken for the delay
+constexpr std::size_t kStepFrames = 5;        ///< over which displacements are taken for the delay
 constexpr int kLeastLag = -5, kMostLag = 10;  ///< frames
-constexpr double kMoving_m = 3e-3;      ///< rms displacement above which a delay can be told
+constexpr double kMoving_m = 3e-3;            ///< rms displacement above which a delay can be told
 constexpr int kLeastSteps = 30;
-constexpr int kShortGlimpseFrames = 12; ///< in view no longer than this: not held against a tracker
+constexpr int kShortGlimpseFrames =
+    12;  ///< in view no longer than this: not held against a tracker
 
 /// Three points of the hand in the camera frame, one a column.
 Eigen::Matrix3d points(const Eigen::Isometry3d& T_camera_hand) {
@@ -32,13 +33,16 @@ Eigen::Matrix3d true_points(const Truth& truth, double frame) {
   const double at = std::clamp(frame, 0.0, double(truth.frames.size() - 1));
   const std::size_t i = std::size_t(at), j = std::min(i + 1, truth.frames.size() - 1);
   const double s = at - double(i);
-  return (1 - s) * points(truth.frames[i].T_camera_hand) + s * points(truth.frames[j].T_camera_hand);
+  return (1 - s) * points(truth.frames[i].T_camera_hand) +
+         s * points(truth.frames[j].T_camera_hand);
 }
 
 /// The largest way that one of the points goes in the `frames` before frame i.
 double true_step_m(const Truth& truth, std::size_t i, std::size_t frames) {
   return (true_points(truth, double(i)) - true_points(truth, double(i - frames)))
-      .colwise().norm().maxCoeff();
+      .colwise()
+      .norm()
+      .maxCoeff();
 }
 
 /// Sum of squared deviations from the mean of one still run.
@@ -78,7 +82,7 @@ double correlation(const Truth& truth, const Steps& steps, double lag_frames) {
 }  // namespace
 
 Poses right_poses(const Truth& truth, const HandModel& hand, std::span<const TrackResult> track,
-                    std::span<const FrameError> errors, bool filtered) {
+                  std::span<const FrameError> errors, bool filtered) {
   const Eigen::Isometry3d T_model_true = T_true_model(truth, hand).inverse();
   Poses poses(std::min(track.size(), truth.frames.size()));
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -97,7 +101,8 @@ Jitter jitter(const Truth& truth, const Poses& poses) {
   double translation_sum = 0, rotation_sum = 0;
   std::size_t begin = 0;
   for (std::size_t i = 0; i <= poses.size(); ++i) {
-    const bool goes_on = i < poses.size() && poses[i] && (i == 0 || true_step_m(truth, i, 1) < kStill_m);
+    const bool goes_on =
+        i < poses.size() && poses[i] && (i == 0 || true_step_m(truth, i, 1) < kStill_m);
     if (goes_on) continue;
     if (begin < i) add_run(truth, poses, begin, i, j, translation_sum, rotation_sum);
     begin = i < poses.size() && poses[i] ? i : i + 1;
@@ -144,8 +149,8 @@ std::vector<Recovery> recoveries(const Truth& truth, std::span<const FrameError>
   bool ever = false;
   for (std::size_t i = 0; i < n; ++i) {
     const bool appears = errors[i].visible && (i == 0 || !errors[i - 1].visible);
-    const bool lost = i > 0 && errors[i].visible && errors[i - 1].visible &&
-                      right(errors[i - 1]) && !right(errors[i]);
+    const bool lost = i > 0 && errors[i].visible && errors[i - 1].visible && right(errors[i - 1]) &&
+                      !right(errors[i]);
     if (!appears && !lost) continue;
     std::size_t end = i;
     while (end < n && errors[end].visible && !right(errors[end])) ++end;

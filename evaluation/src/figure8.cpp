@@ -59,18 +59,23 @@ std::string script(const ErrorColumns& columns, const std::string& title, const 
     data += "\n";
   }
   data += "EOD\n";
-  std::string s = "set terminal pngcairo size 1200,560 font 'sans,11'\nset output " + quoted(png) +
-                  "\n" + data +
-                  "set multiplot\nset lmargin 9\nset rmargin 3\nset tmargin 2.5\nset bmargin 0\n"
-                  "set origin 0,0.22\nset size 1,0.78\nset grid lc rgb '#dddddd'\n"
-                  "set key top right horizontal\nset format x ''\nset ylabel 'reprojection error (px)'\n"
-                  "set title " + quoted(title) + " noenhanced\n"
-                  "set yrange [0:" + csv_number(most_shown(columns)) + "]\nset xrange [" +
-                  csv_number(time_s.front()) + ":" + csv_number(time_s.back() + 1e-3) + "]\nplot ";
+  std::string s =
+      "set terminal pngcairo size 1200,560 font 'sans,11'\nset output " + quoted(png) + "\n" +
+      data +
+      "set multiplot\nset lmargin 9\nset rmargin 3\nset tmargin 2.5\nset bmargin 0\n"
+      "set origin 0,0.22\nset size 1,0.78\nset grid lc rgb '#dddddd'\n"
+      "set key top right horizontal\nset format x ''\nset ylabel 'reprojection error (px)'\n"
+      "set title " +
+      quoted(title) +
+      " noenhanced\n"
+      "set yrange [0:" +
+      csv_number(most_shown(columns)) + "]\nset xrange [" + csv_number(time_s.front()) + ":" +
+      csv_number(time_s.back() + 1e-3) + "]\nplot ";
   for (std::size_t i = 0; i < kCurves.size(); ++i)
     s += std::string(i ? ", " : "") + "$errors using 1:" + std::to_string(i + 3) +
          " with lines lw 1.5 lc rgb '" + kCurves[i].color + "' title '" + kCurves[i].label + "'";
-  s += "\nset origin 0,0\nset size 1,0.22\nset tmargin 0.6\nset bmargin 3.2\nunset title\nunset key\n"
+  s += "\nset origin 0,0\nset size 1,0.22\nset tmargin 0.6\nset bmargin 3.2\nunset title\nunset "
+       "key\n"
        "set format x\nset xlabel 'time (s)'\nset ylabel 'state'\nset yrange [0:5]\n"
        "set ytics ('searching' 1, 'acquiring' 2, 'tracking' 3, 'lost' 4) font ',8'\n"
        "level(s) = s eq 'searching' ? 1 : s eq 'acquiring' ? 2 : s eq 'tracking' ? 3 : 4\n"

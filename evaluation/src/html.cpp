@@ -57,11 +57,20 @@ const Figure* find(const Table& t, const std::string& row, const std::string& co
 std::string escape(const std::string& text) {
   std::string out;
   for (const char c : text) switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
     }
   return out;
 }
@@ -70,7 +79,8 @@ std::string table(const Table& t, int csv_line) {
   if (t.figures.empty()) return "";
   const std::vector<std::string> columns = mentions(t, &Figure::column);
   std::string h = "<figure class=\"table\"><figcaption><b>" + escape(t.title) + "</b> " +
-                  escape(t.caption) + "</figcaption><div class=\"wide\"><table><thead><tr><th></th>";
+                  escape(t.caption) +
+                  "</figcaption><div class=\"wide\"><table><thead><tr><th></th>";
   for (const std::string& c : columns)
     h += "<th>" + with_unit(c, shared_unit(t, &Figure::column, c)) + "</th>";
   h += "</tr></thead><tbody>\n";

@@ -33,12 +33,18 @@ Eigen::Isometry3d isometry(const cv::Vec3d& rotation, const cv::Vec3d& translati
 }
 
 const std::map<std::string, cv::aruco::PREDEFINED_DICTIONARY_NAME> kDictionaries = {
-    {"DICT_4X4_50", cv::aruco::DICT_4X4_50},     {"DICT_4X4_100", cv::aruco::DICT_4X4_100},
-    {"DICT_4X4_250", cv::aruco::DICT_4X4_250},   {"DICT_5X5_50", cv::aruco::DICT_5X5_50},
-    {"DICT_5X5_100", cv::aruco::DICT_5X5_100},   {"DICT_5X5_250", cv::aruco::DICT_5X5_250},
-    {"DICT_6X6_50", cv::aruco::DICT_6X6_50},     {"DICT_6X6_100", cv::aruco::DICT_6X6_100},
-    {"DICT_6X6_250", cv::aruco::DICT_6X6_250},   {"DICT_7X7_50", cv::aruco::DICT_7X7_50},
-    {"DICT_7X7_100", cv::aruco::DICT_7X7_100},   {"DICT_7X7_250", cv::aruco::DICT_7X7_250},
+    {"DICT_4X4_50", cv::aruco::DICT_4X4_50},
+    {"DICT_4X4_100", cv::aruco::DICT_4X4_100},
+    {"DICT_4X4_250", cv::aruco::DICT_4X4_250},
+    {"DICT_5X5_50", cv::aruco::DICT_5X5_50},
+    {"DICT_5X5_100", cv::aruco::DICT_5X5_100},
+    {"DICT_5X5_250", cv::aruco::DICT_5X5_250},
+    {"DICT_6X6_50", cv::aruco::DICT_6X6_50},
+    {"DICT_6X6_100", cv::aruco::DICT_6X6_100},
+    {"DICT_6X6_250", cv::aruco::DICT_6X6_250},
+    {"DICT_7X7_50", cv::aruco::DICT_7X7_50},
+    {"DICT_7X7_100", cv::aruco::DICT_7X7_100},
+    {"DICT_7X7_250", cv::aruco::DICT_7X7_250},
     {"DICT_ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL}};
 
 class ArucoFinder final : public MarkerFinder {
@@ -61,8 +67,7 @@ class ArucoFinder final : public MarkerFinder {
         seen = &corners_[i];
     if (!seen) return std::nullopt;
     const double h = marker_.size_m / 2;
-    const std::array<cv::Point3d, 4> square = {
-        {{-h, h, 0}, {h, h, 0}, {h, -h, 0}, {-h, -h, 0}}};
+    const std::array<cv::Point3d, 4> square = {{{-h, h, 0}, {h, h, 0}, {h, -h, 0}, {-h, -h, 0}}};
     cv::Vec3d r, t;
     if (!cv::solvePnP(square, *seen, matrix_of(camera), camera.distortion, r, t, false,
                       cv::SOLVEPNP_IPPE_SQUARE))
@@ -112,8 +117,8 @@ class AprilTagFinder final : public MarkerFinder {
 
   Eigen::Isometry3d pose(apriltag_detection_t* d, const Camera& camera) const {
     undistort(d, camera);
-    apriltag_detection_info_t info{d,           marker_.size_m, camera.fx_px,
-                                   camera.fy_px, camera.cx_px,  camera.cy_px};
+    apriltag_detection_info_t info{
+        d, marker_.size_m, camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
     apriltag_pose_t p{};
     estimate_tag_pose(&info, &p);
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
@@ -160,9 +165,9 @@ std::vector<Eigen::Vector3d> Board::corners_m() const {
 
 std::optional<BoardView> find_board(const cv::Mat& gray, const Board& board, const Camera& camera) {
   std::vector<cv::Point2f> corners;
-  if (!cv::findChessboardCorners(gray, {board.columns, board.rows}, corners,
-                                 cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE |
-                                     cv::CALIB_CB_FAST_CHECK))
+  if (!cv::findChessboardCorners(
+          gray, {board.columns, board.rows}, corners,
+          cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK))
     return std::nullopt;
   cv::cornerSubPix(gray, corners, {5, 5}, {-1, -1},
                    {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.01});
@@ -175,6 +180,12 @@ std::optional<BoardView> find_board(const cv::Mat& gray, const Board& board, con
   view.T_camera_board = isometry(r, t);
   for (const cv::Point2f& c : corners) view.corners_px.emplace_back(c.x, c.y);
   return view;
+}
+
+std::vector<std::string> aruco_dictionaries() {
+  std::vector<std::string> names;
+  for (const auto& [name, dictionary] : kDictionaries) names.push_back(name);
+  return names;
 }
 
 std::unique_ptr<MarkerFinder> make_aruco_finder(const Marker& marker) {

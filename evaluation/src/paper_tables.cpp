@@ -38,7 +38,8 @@ std::vector<double> stage_ms(std::span<const Analysis> analyses, bool half,
   std::vector<double> ms;
   for (const Analysis& a : analyses)
     for (const Track& track : a.recording.tracks) {
-      if (track.half_resolution != half || track.method != a.recording.main_track().method) continue;
+      if (track.half_resolution != half || track.method != a.recording.main_track().method)
+        continue;
       for (const TrackResult& r : track.results)
         if (!only_tracked || r.state == State::tracking) ms.push_back(r.times.*stage);
     }
@@ -70,13 +71,16 @@ void add_row3(Table& t, const std::string& row, const BoardErrors& errors, doubl
 }  // namespace
 
 Table table1(std::span<const Analysis> analyses, const std::string& sequence) {
-  Table t{"table1", sequence, "Table 1: time a frame",
-          "Milliseconds of each stage on this machine, one thread, fingertips by the default method, "
-          "over the frames in which the hand is tracked; the last rows over every frame, the marker "
-          "systems on the same frames in the same run (colour conversion, detection, pose). Full: "
-          "the input's size; half: half of it each way. Rate: frames a second at the median. "
-          "Paper: 640x480 and 320x240 on a 1.8 GHz laptop of 2007.",
-          {}};
+  Table t{
+      "table1",
+      sequence,
+      "Table 1: time a frame",
+      "Milliseconds of each stage on this machine, one thread, fingertips by the default method, "
+      "over the frames in which the hand is tracked; the last rows over every frame, the marker "
+      "systems on the same frames in the same run (colour conversion, detection, pose). Full: "
+      "the input's size; half: half of it each way. Rate: frames a second at the median. "
+      "Paper: 640x480 and 320x240 on a 1.8 GHz laptop of 2007.",
+      {}};
   for (const bool half : {false, true}) {
     const std::string resolution = half ? "half" : "full";
     for (const Stage& stage : kStages)
@@ -96,12 +100,15 @@ Table table1(std::span<const Analysis> analyses, const std::string& sequence) {
 }
 
 Table table2(const Analysis& a) {
-  Table t{"table2", a.recording.sequence.name, "Table 2: ways to place a fingertip",
-          "Mean reprojection error at the board's inner corners (rms over the corners of a frame, "
-          "mean over the frames; hand-to-board fitted on the other half of the frames, alternating "
-          "blocks of 15), in pixels of the input at both resolutions. Where truth is known also the "
-          "median distance of the fingertips from the true ones.",
-          {}};
+  Table t{
+      "table2",
+      a.recording.sequence.name,
+      "Table 2: ways to place a fingertip",
+      "Mean reprojection error at the board's inner corners (rms over the corners of a frame, "
+      "mean over the frames; hand-to-board fitted on the other half of the frames, alternating "
+      "blocks of 15), in pixels of the input at both resolutions. Where truth is known also the "
+      "median distance of the fingertips from the true ones.",
+      {}};
   const std::map<std::string, double> paper_px = {{"curvature", 7.96}, {"ellipse", 5.76}};
   for (std::size_t i = 0; i < a.tracks.size(); ++i) {
     const Track& track = a.recording.tracks[i];
@@ -125,14 +132,17 @@ Table table2(const Analysis& a) {
 }
 
 Table table3(const Analysis& a) {
-  Table t{"table3", a.recording.sequence.name, "Table 3: hand against markers",
-          "Reprojection error at the board's inner corners, full resolution: rms over the corners of "
-          "a frame, its mean and variance over the frames. The transforms from hand and markers to "
-          "the board are fitted on alternating blocks of 15 frames and judged on the blocks between, "
-          "and the other way round. Exact transform: the true one instead of a fitted one, and the "
-          "true corners (then a wrong size of a marker's edge, as bloom makes it, shows). The "
-          "paper's marker was ARTag.",
-          {}};
+  Table t{
+      "table3",
+      a.recording.sequence.name,
+      "Table 3: hand against markers",
+      "Reprojection error at the board's inner corners, full resolution: rms over the corners of "
+      "a frame, its mean and variance over the frames. The transforms from hand and markers to "
+      "the board are fitted on alternating blocks of 15 frames and judged on the blocks between, "
+      "and the other way round. Exact transform: the true one instead of a fitted one, and the "
+      "true corners (then a wrong size of a marker's edge, as bloom makes it, shows). The "
+      "paper's marker was ARTag.",
+      {}};
   if (!a.has_board()) return t;
   constexpr double kPaperFingertips_px = 5.86, kPaperMarker_px = 4.79;
   add_row3(t, "fingertips, raw", a.main_track().raw, kUnknown);

@@ -75,7 +75,8 @@ std::map<int, bool> choose(const Analysis& a) {
     const auto near = chosen.lower_bound(i - kApartFrames);
     if (near == chosen.end() || near->first > i + kApartFrames) chosen[i] = true;
   }
-  for (int k = 0; k < kSamples && n > 0; ++k) chosen.emplace((2 * k + 1) * n / (2 * kSamples), false);
+  for (int k = 0; k < kSamples && n > 0; ++k)
+    chosen.emplace((2 * k + 1) * n / (2 * kSamples), false);
   return chosen;
 }
 
@@ -89,7 +90,8 @@ void draw_axes(cv::Mat& bgr, const Camera& camera, const Eigen::Isometry3d& T_ca
   const Eigen::Vector3d origin = T_camera_hand.translation();
   if (origin.z() <= kAxis_m) return;
   for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d end = T_camera_hand * Eigen::Vector3d(kAxis_m * Eigen::Vector3d::Unit(axis));
+    const Eigen::Vector3d end =
+        T_camera_hand * Eigen::Vector3d(kAxis_m * Eigen::Vector3d::Unit(axis));
     cv::Scalar color(0, 0, 0);
     color[2 - axis] = 255;  // x red, y green, z blue
     cv::line(bgr, fixed_point(camera.project(origin)), fixed_point(camera.project(end)), color, 2,

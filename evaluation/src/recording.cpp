@@ -76,8 +76,13 @@ class Session {
   void process(const io::Frame& frame) {
     const Sequence& s = recording_.sequence;
     recording_.time_s.push_back(frame.time_s);
-    for (std::size_t i = 0; i < trackers_.size(); ++i)
-      recording_.tracks[i].results.push_back(trackers_[i].process(frame.view(), frame.time_s));
+    for (std::size_t i = 0; i < trackers_.size(); ++i) {
+      const TrackResult result = trackers_[i].process(frame.view(), frame.time_s);
+      if (result.status != FrameStatus::ok)
+        throw io::Error(s.video,
+                        "frame " + std::to_string(frame.index) + ": " + describe(result.status));
+      recording_.tracks[i].results.push_back(result);
+    }
     const auto contour = trackers_.front().contour_px();
     recording_.contours_px.emplace_back(contour.begin(), contour.end());
     for (MarkerPass& pass : markers_) pass.process(frame.bgr, s.camera);

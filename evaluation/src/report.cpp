@@ -36,14 +36,16 @@ class Tables {
 };
 
 std::string head(const RunDescription& run, const std::vector<Analysis>& analyses) {
-  const std::pair<const char*, std::string> facts[] = {
-      {"Command", run.command},        {"Version", "handyar " + run.version},
-      {"Built with", describe_build()}, {"Machine", describe_machine()},
-      {"When", describe_now()}};
-  std::string h = "<h1>handyar evaluation</h1>\n<p>How well a bare hand serves as a marker: the tables "
-                  "and Figure 8 of Lee and Höllerer, “Handy AR”, ISWC 2007, on the sequences below. "
-                  "Every number is a row of <code>tables.csv</code> (hold the pointer over it to see "
-                  "which), every curve a column of <code>errors.csv</code>.</p>\n<dl>";
+  const std::pair<const char*, std::string> facts[] = {{"Command", run.command},
+                                                       {"Version", "handyar " + run.version},
+                                                       {"Built with", describe_build()},
+                                                       {"Machine", describe_machine()},
+                                                       {"When", describe_now()}};
+  std::string h =
+      "<h1>handyar evaluation</h1>\n<p>How well a bare hand serves as a marker: the tables "
+      "and Figure 8 of Lee and Höllerer, “Handy AR”, ISWC 2007, on the sequences below. "
+      "Every number is a row of <code>tables.csv</code> (hold the pointer over it to see "
+      "which), every curve a column of <code>errors.csv</code>.</p>\n<dl>";
   for (const auto& [what, value] : facts)
     h += std::string("<dt>") + what + "</dt><dd>" + escape(value) + "</dd>";
   h += "</dl>\n";
@@ -111,7 +113,9 @@ void write_poses(const std::string& folder, const Analysis& a) {
 std::vector<std::string> write_report(const std::string& folder, const RunDescription& run,
                                       const std::vector<Analysis>& analyses,
                                       const std::vector<StillResult>& stills) {
-  const auto in_folder = [&](const std::string& name) { return (fs::path(folder) / name).string(); };
+  const auto in_folder = [&](const std::string& name) {
+    return (fs::path(folder) / name).string();
+  };
   std::error_code fault;
   fs::create_directories(in_folder("poses"), fault);
   if (fault) throw io::Error(folder, "cannot be written to: " + fault.message());
@@ -130,8 +134,7 @@ std::vector<std::string> write_report(const std::string& folder, const RunDescri
   if (!analyses.empty()) body += "<h2>Sequence by sequence</h2>\n";
   for (const Analysis& a : analyses) {
     body += section(a, &a == &analyses.front(), tables);
-    if (analyses.size() > 1)
-      body += tables.add(table1({&a, 1}, a.recording.sequence.name));
+    if (analyses.size() > 1) body += tables.add(table1({&a, 1}, a.recording.sequence.name));
     body += "</details>\n";
     write_poses(in_folder("poses"), a);
     if (a.has_board() &&

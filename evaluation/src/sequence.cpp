@@ -20,6 +20,7 @@ void find_camera(Sequence& s, const fs::path& folder, const SequenceOptions& opt
                                ? (folder / "camera.yml").string()
                                : "";
   const io::SourceInfo info = io::open_input(s.video)->info();
+  if (info.live) throw io::Error(s.video, "a live camera cannot be evaluated; record it first");
   if (!file.empty()) {
     s.camera = io::camera_for_size(io::read_camera(file), info.width_px, info.height_px, file);
     s.origin_of_camera = file;
@@ -35,10 +36,10 @@ void find_camera(Sequence& s, const fs::path& folder, const SequenceOptions& opt
 }
 
 void find_hand(Sequence& s, const fs::path& folder, const SequenceOptions& options) {
-  const std::string file =
-      !options.hand_file.empty() ? options.hand_file
-      : fs::exists(folder / "hand.json") && !s.truth ? (folder / "hand.json").string()
-                                                     : "";
+  const std::string file = !options.hand_file.empty() ? options.hand_file
+                           : fs::exists(folder / "hand.json") && !s.truth
+                               ? (folder / "hand.json").string()
+                               : "";
   if (!file.empty()) {
     s.hand = io::read_hand(file);
     s.origin_of_hand = file;
@@ -94,7 +95,8 @@ std::vector<Sequence> open_sequences(const std::vector<std::string>& paths,
     const auto same = [&](const Sequence& other) { return other.name == s.name; };
     if (std::any_of(all.begin(), all.end(), same))
       s.name = fs::weakly_canonical(path).parent_path().filename().string() + "-" + s.name;
-    for (int i = 2; std::any_of(all.begin(), all.end(), same); ++i) s.name += "-" + std::to_string(i);
+    for (int i = 2; std::any_of(all.begin(), all.end(), same); ++i)
+      s.name += "-" + std::to_string(i);
     all.push_back(std::move(s));
   }
   return all;

@@ -27,9 +27,10 @@ Summary summarize(std::span<const double> values) {
   s.median = percentile(v, 50);
   s.p95 = percentile(v, 95);
   s.max = v.back();
-  s.variance = std::accumulate(v.begin(), v.end(), 0.0, [&](double sum, double x) {
-                 return sum + (x - s.mean) * (x - s.mean);
-               }) / double(v.size());
+  s.variance =
+      std::accumulate(v.begin(), v.end(), 0.0,
+                      [&](double sum, double x) { return sum + (x - s.mean) * (x - s.mean); }) /
+      double(v.size());
   return s;
 }
 

@@ -159,9 +159,12 @@ void add_row(Table& t, const std::string& row, const std::vector<StillResult>& r
 
 const char* words(StillResult::Outcome outcome) {
   switch (outcome) {
-    case StillResult::Outcome::right: return "right";
-    case StillResult::Outcome::wrong: return "wrong";
-    case StillResult::Outcome::not_found: return "not found";
+    case StillResult::Outcome::right:
+      return "right";
+    case StillResult::Outcome::wrong:
+      return "wrong";
+    case StillResult::Outcome::not_found:
+      return "not found";
   }
   return "";
 }
@@ -185,7 +188,9 @@ std::vector<StillResult> track_stills(const std::string& list, const Progress& p
 }
 
 Table stills_table(const std::vector<StillResult>& results) {
-  Table t{"stills", "stills", "Still pictures of five spread fingers",
+  Table t{"stills",
+          "stills",
+          "Still pictures of five spread fingers",
           "Each letterboxed to 640x480 and held for 25 frames with slight noise. Right: all five "
           "tips within 0.2 of the thumb-little span; error: over that span, of the right ones.",
           {}};

@@ -23,7 +23,8 @@ Eigen::Matrix<double, Rows, Columns> matrix(const json& j) {
   Eigen::Matrix<double, Rows, Columns> m;
   for (int r = 0; r < Rows; ++r)
     for (int c = 0; c < Columns; ++c) {
-      m(r, c) = Columns == 1 ? j.at(r).template get<double>() : j.at(r).at(c).template get<double>();
+      m(r, c) =
+          Columns == 1 ? j.at(r).template get<double>() : j.at(r).at(c).template get<double>();
       if (!std::isfinite(m(r, c))) throw std::runtime_error("a number is not finite");
     }
   return m;

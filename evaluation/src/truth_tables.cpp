@@ -43,13 +43,13 @@ void add_view_rows(Table& t, const Analysis& a, const std::string& what, double 
     if (e.eligible && std::isfinite(e.*of)) most = std::max(most, e.*of);
   for (double from = 0; from <= most; from += width) {
     std::vector<FrameError> bin;
-    std::copy_if(a.main_track().errors.begin(), a.main_track().errors.end(),
-                 std::back_inserter(bin), [&](const FrameError& e) {
-                   return e.eligible && e.*of >= from && e.*of < from + width;
-                 });
+    std::copy_if(
+        a.main_track().errors.begin(), a.main_track().errors.end(), std::back_inserter(bin),
+        [&](const FrameError& e) { return e.eligible && e.*of >= from && e.*of < from + width; });
     if (bin.empty()) continue;
     const Accuracy s = summarize(bin);
-    const std::string row = what + " " + csv_number(from) + " to " + csv_number(from + width) + unit;
+    const std::string row =
+        what + " " + csv_number(from) + " to " + csv_number(from + width) + unit;
     t.add(row, "eligible", s.eligible, "frames");
     t.add(row, "tracked", s.tracked_percent(), "%");
     t.add(row, "fingertips, median", s.tip_px.median, "px");
@@ -62,13 +62,16 @@ void add_view_rows(Table& t, const Analysis& a, const std::string& what, double 
 }  // namespace
 
 Table accuracy_table(const Analysis& a) {
-  Table t{"accuracy", a.recording.sequence.name, "Accuracy against truth",
-          "Over the frames that are eligible (five tips visible, after 25 frames to begin with and "
-          "12 after they were hidden), tracked, and not wrong (no tip off by more than 0.2 of the "
-          "thumb-little span). Pose: filtered, and raw from one frame alone. Board: rms at the inner "
-          "corners, the hand-to-board transform known exactly. Consistency: normalised estimation "
-          "error squared; 6 on average, and 95 % below 12.59, when the stated covariance is honest.",
-          {}};
+  Table t{
+      "accuracy",
+      a.recording.sequence.name,
+      "Accuracy against truth",
+      "Over the frames that are eligible (five tips visible, after 25 frames to begin with and "
+      "12 after they were hidden), tracked, and not wrong (no tip off by more than 0.2 of the "
+      "thumb-little span). Pose: filtered, and raw from one frame alone. Board: rms at the inner "
+      "corners, the hand-to-board transform known exactly. Consistency: normalised estimation "
+      "error squared; 6 on average, and 95 % below 12.59, when the stated covariance is honest.",
+      {}};
   if (!a.has_truth()) return t;
   const Accuracy s = summarize(a.main_track().errors);
   add_summary(t, "fingertips", s.tip_px, "px");
@@ -92,7 +95,9 @@ Table accuracy_table(const Analysis& a) {
 }
 
 Table tracking_table(const Analysis& a) {
-  Table t{"tracking", a.recording.sequence.name, "Tracking",
+  Table t{"tracking",
+          a.recording.sequence.name,
+          "Tracking",
           "Wrong: of the tracked frames. Other face: back taken for palm or the reverse. Falsely "
           "tracked: while less than a twentieth of the hand is in the picture.",
           {}};
@@ -110,11 +115,14 @@ Table tracking_table(const Analysis& a) {
 }
 
 Table motion_table(const Analysis& a) {
-  Table t{"motion", a.recording.sequence.name, "Stillness and delay",
-          "Jitter: standard deviation of the pose's error in runs of eight and more frames in which "
-          "the hand moves less than 1 mm a frame. Delay: where the displacements of three points of "
-          "the hand correlate best with the true ones; unknown where too little moves.",
-          {}};
+  Table t{
+      "motion",
+      a.recording.sequence.name,
+      "Stillness and delay",
+      "Jitter: standard deviation of the pose's error in runs of eight and more frames in which "
+      "the hand moves less than 1 mm a frame. Delay: where the displacements of three points of "
+      "the hand correlate best with the true ones; unknown where too little moves.",
+      {}};
   if (!a.has_truth()) return t;
   const Sequence& s = a.recording.sequence;
   for (const bool filtered : {false, true}) {
@@ -132,7 +140,9 @@ Table motion_table(const Analysis& a) {
 }
 
 Table recovery_table(const Analysis& a) {
-  Table t{"recovery", a.recording.sequence.name, "Finding the hand",
+  Table t{"recovery",
+          a.recording.sequence.name,
+          "Finding the hand",
           "From the five tips' coming into view, or a loss in plain view, until they are rightly "
           "tracked. Never: hidden again or at the end before that.",
           {}};
@@ -143,7 +153,8 @@ Table recovery_table(const Analysis& a) {
       {Recovery::Kind::hidden_before, "after tips were hidden"},
       {Recovery::Kind::lost_in_view, "after a loss in plain view"}};
   for (const auto& [kind, row] : kinds) {
-    const RecoverySummary s = summarize_recoveries(all, [kind = kind](auto k) { return k == kind; });
+    const RecoverySummary s =
+        summarize_recoveries(all, [kind = kind](auto k) { return k == kind; });
     t.add(row, "times", s.count);
     t.add(row, "never found", s.never);
     t.add(row, "median", s.after_s.median, "s");
@@ -153,7 +164,9 @@ Table recovery_table(const Analysis& a) {
 }
 
 Table view_table(const Analysis& a) {
-  Table t{"view", a.recording.sequence.name, "Error against tilt and distance",
+  Table t{"view",
+          a.recording.sequence.name,
+          "Error against tilt and distance",
           "Filtered pose. Tilt: between the hand's normal and the line of sight, 0° is face on. "
           "Distance: camera to the hand's origin.",
           {}};
@@ -164,7 +177,9 @@ Table view_table(const Analysis& a) {
 }
 
 Table robustness_table(const std::vector<Analysis>& analyses) {
-  Table t{"robustness", "all", "Robustness: one row a sequence",
+  Table t{"robustness",
+          "all",
+          "Robustness: one row a sequence",
           "Tracked: of the eligible frames (without truth: of all). Wrong: of the tracked. Tip, "
           "rotation and translation: median over the frames that count, filtered pose. Found "
           "again: the longest time until a visible hand is rightly tracked.",
@@ -179,11 +194,12 @@ Table robustness_table(const std::vector<Analysis>& analyses) {
     RecoverySummary found;
     if (a.has_truth())
       found = summarize_recoveries(recoveries(*a.recording.sequence.truth, a.main_track().errors),
-                        [](auto kind) { return kind != Recovery::Kind::first_sight; });
+                                   [](auto kind) { return kind != Recovery::Kind::first_sight; });
     const double all = double(std::max<std::size_t>(1, results.size()));
     t.add(row, "frames", double(results.size()));
     t.add(row, "eligible", a.has_truth() ? s.eligible : kUnknown);
-    t.add(row, "tracked", a.has_truth() ? s.tracked_percent() : 100.0 * double(tracking) / all, "%");
+    t.add(row, "tracked", a.has_truth() ? s.tracked_percent() : 100.0 * double(tracking) / all,
+          "%");
     t.add(row, "wrong", s.wrong_percent(), "%");
     t.add(row, "falsely tracked", a.has_truth() ? s.falsely_tracked : kUnknown, "frames");
     t.add(row, "tip", s.tip_px.median, "px");

@@ -26,11 +26,11 @@ struct PoseError {
 
 /// One frame of a track against truth.
 struct FrameError {
-  bool eligible = false;     ///< the five tips are visible and were so long enough to be found
+  bool eligible = false;  ///< the five tips are visible and were so long enough to be found
   bool hand_absent = false;
-  bool visible = false;      ///< the five tips are visible now
-  bool tracked = false;      ///< state `tracking`
-  bool wrong = false;        ///< tracked, but a tip is off by over 0.2 of the thumb-little span
+  bool visible = false;  ///< the five tips are visible now
+  bool tracked = false;  ///< state `tracking`
+  bool wrong = false;    ///< tracked, but a tip is off by over 0.2 of the thumb-little span
   bool layout_right = false;
   std::array<double, kFingerCount> tip_px = {kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};
   double span_px = kUnknown, tilt_deg = kUnknown, distance_mm = kUnknown;
@@ -42,8 +42,8 @@ struct FrameError {
   bool counted() const { return eligible && tracked && !wrong; }
 };
 
-/// Where the hand truly is, in the frame of the hand model that was used: a calibrated model's frame
-/// is laid on the true one by the best rigid fit of the five tips.
+/// Where the hand truly is, in the frame of the hand model that was used: a calibrated model's
+/// frame is laid on the true one by the best rigid fit of the five tips.
 Eigen::Isometry3d T_true_model(const Truth& truth, const HandModel& hand);
 
 /// Errors of a track, one a frame of the track; frames that truth does not know are left empty.

@@ -25,14 +25,14 @@ struct TrackAnalysis {
 /// A recording and what it comes to.
 struct Analysis {
   Recording recording;
-  std::vector<TrackAnalysis> tracks;   ///< one for each of the recording's
-  std::vector<BoardErrors> markers;    ///< one for each of the recording's
-  std::vector<double> own_px;          ///< the board projected by its own pose
-  std::vector<std::string> unknown;    ///< what cannot be said of this sequence, and why
+  std::vector<TrackAnalysis> tracks;  ///< one for each of the recording's
+  std::vector<BoardErrors> markers;   ///< one for each of the recording's
+  std::vector<double> own_px;         ///< the board projected by its own pose
+  std::vector<std::string> unknown;   ///< what cannot be said of this sequence, and why
 
   const TrackAnalysis& main_track() const { return tracks.front(); }
   bool has_truth() const { return recording.sequence.truth.has_value(); }
-  bool has_board() const;              ///< seen in at least one frame
+  bool has_board() const;  ///< seen in at least one frame
 };
 
 Analysis analyse(Recording recording);

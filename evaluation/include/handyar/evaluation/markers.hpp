@@ -49,6 +49,9 @@ class MarkerFinder {
   virtual std::optional<Eigen::Isometry3d> find(const cv::Mat& gray, const Camera& camera) = 0;
 };
 
+/// Names of the dictionaries that make_aruco_finder knows.
+std::vector<std::string> aruco_dictionaries();
+
 /// OpenCV's ArUco with corners refined to sub-pixel and the square's own closed-form pose.
 /// Throws std::invalid_argument when OpenCV knows no such dictionary.
 std::unique_ptr<MarkerFinder> make_aruco_finder(const Marker& marker);

@@ -14,17 +14,17 @@ namespace handyar::evaluation {
 
 /// What the tracker gave with one setting, frame by frame.
 struct Track {
-  std::string method;            ///< name of the fingertip method
+  std::string method;  ///< name of the fingertip method
   bool half_resolution = false;
   std::vector<TrackResult> results;
 };
 
 /// What a marker system gave, frame by frame: detection with pose.
 struct MarkerTrack {
-  std::string system;            ///< "ArUco" or "AprilTag"
+  std::string system;  ///< "ArUco" or "AprilTag"
   bool half_resolution = false;
   Poses T_camera_marker;
-  std::vector<double> ms;        ///< colour conversion, detection and pose
+  std::vector<double> ms;  ///< colour conversion, detection and pose
 };
 
 /// Everything measured on one sequence, all of it on the same frames in the same run.
@@ -32,7 +32,7 @@ struct Recording {
   Sequence sequence;
   double frames_per_second = 30;
   std::vector<double> time_s;
-  std::vector<Track> tracks;     ///< the first is the default setting at full resolution
+  std::vector<Track> tracks;  ///< the first is the default setting at full resolution
   std::vector<MarkerTrack> markers;
   std::vector<std::optional<BoardView>> board_views;
   std::vector<std::vector<Eigen::Vector2f>> contours_px;  ///< of tracks[0]

@@ -13,8 +13,8 @@ namespace handyar::evaluation {
 struct StillResult {
   enum class Outcome { right, wrong, not_found } outcome;
   std::string file;
-  std::string source;     ///< the file's name up to the first underscore
-  std::string skin_tone;  ///< column skin_tone of the list; empty: unknown
+  std::string source;                 ///< the file's name up to the first underscore
+  std::string skin_tone;              ///< column skin_tone of the list; empty: unknown
   double largest_of_span = kUnknown;  ///< largest tip error over the thumb-little span
   std::vector<double> of_span;        ///< the five, when right
 };

@@ -36,9 +36,9 @@ Table table3(const Analysis& analysis);
 // Against truth; only for a sequence that has it.
 Table accuracy_table(const Analysis& analysis);
 Table tracking_table(const Analysis& analysis);
-Table motion_table(const Analysis& analysis);    ///< jitter while still, delay
+Table motion_table(const Analysis& analysis);  ///< jitter while still, delay
 Table recovery_table(const Analysis& analysis);
-Table view_table(const Analysis& analysis);      ///< error against tilt and distance
+Table view_table(const Analysis& analysis);  ///< error against tilt and distance
 
 // One row a sequence.
 Table robustness_table(const std::vector<Analysis>& analyses);

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "handyar/evaluation/markers.hpp"
 #include "handyar/camera.hpp"
+#include "handyar/evaluation/markers.hpp"
 #include "handyar/hand_model.hpp"
 #include "handyar/pose.hpp"
 
@@ -38,7 +38,8 @@ struct Truth {
   Camera camera;
   HandModel hand;  ///< layout thumb_right, source truth
   double frames_per_second = 30;
-  bool hand_still_in_world = false;  ///< only the camera moves, so hand and board are one rigid body
+  bool hand_still_in_world =
+      false;  ///< only the camera moves, so hand and board are one rigid body
   std::optional<Board> board;
   std::optional<Eigen::Isometry3d> T_world_board;
   std::vector<Marker> markers;
