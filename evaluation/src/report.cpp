@@ -9,6 +9,7 @@
 #include "handyar/io/pending_file.hpp"
 #include "handyar/io/pose_csv.hpp"
 #include "html.hpp"
+#include "layout.hpp"
 #include "machine.hpp"
 #include "page.hpp"
 
@@ -28,7 +29,10 @@ class Tables {
     tables_.push_back(std::move(t));
     return text;
   }
-  void write(const std::string& file) const { write_tables_csv(file, tables_); }
+  void write(const std::string& csv, const std::string& markdown) const {
+    write_tables_csv(csv, tables_);
+    write_tables_markdown(markdown, tables_);
+  }
 
  private:
   std::vector<Table> tables_;
@@ -142,7 +146,7 @@ std::vector<std::string> write_report(const std::string& folder, const RunDescri
       notes.push_back("gnuplot could not be run: no PNG of Figure 8 for " +
                       a.recording.sequence.name);
   }
-  tables.write(in_folder("tables.csv"));
+  tables.write(in_folder("tables.csv"), in_folder("tables.md"));
   if (!analyses.empty()) write_errors_csv(in_folder("errors.csv"), analyses);
   io::write_text(in_folder("report.html"), page_with(body));
   return notes;

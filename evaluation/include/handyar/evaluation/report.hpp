@@ -19,6 +19,7 @@ struct RunDescription {
 ///
 ///     report.html              everything, in one file that opens offline
 ///     tables.csv, errors.csv   every number of it; per-frame errors
+///     tables.md                the tables for a document
 ///     stills.csv               a row a photograph, when there were any
 ///     poses/NAME.csv           what the tracker gave (default setting)
 ///     figure8-NAME.png         where a board was seen and gnuplot is installed
