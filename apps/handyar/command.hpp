@@ -21,6 +21,7 @@ struct Command {
 Command add_demo(CLI::App& app);
 Command add_track(CLI::App& app);
 Command add_cameras(CLI::App& app);
+Command add_evaluate(CLI::App& app);
 
 /// Two options that contradict each other and the like: exit code 2.
 struct WrongUsage : std::runtime_error {

@@ -39,6 +39,7 @@ int run(int argc, char** argv) {
       add_demo(app),
       add_track(app),
       add_cameras(app),
+      add_evaluate(app),
   };
   try {
     app.parse(argc, argv);

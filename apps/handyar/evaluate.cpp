@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <memory>
+
+#include "command.hpp"
+#include "handyar/evaluation/report.hpp"
+#include "handyar/io/error.hpp"
+#include "handyar/io/pending_file.hpp"
+
+namespace handyar::cli {
+namespace {
+
+using namespace handyar::evaluation;
+
+constexpr const char* kExamples =
+    "A SEQUENCE is a video file, or a folder with video.mp4 and, where there are such, "
+    "truth.json,\n"
+    "camera.yml and hand.json.\n\n"
+    "Examples:\n"
+    "  handyar evaluate sample --report report\n"
+    "  handyar evaluate hand.mp4 --camera camera.yml --hand hand.json --board 8x6 --square-mm 25 "
+    "\\\n"
+    "                   --report report\n"
+    "  handyar evaluate --stills stills/fingertips.csv --report report";
+
+/// A line that is written over, on a terminal only.
+class ProgressLine {
+ public:
+  explicit ProgressLine(std::string what) : what_(std::move(what)) {}
+  ~ProgressLine() {
+    if (terminal_) std::fputs("\r\033[K", stderr);
+  }
+  void show(int done, int promised) const {
+    if (!terminal_) return;
+    std::fprintf(stderr, "\r\033[K%s: %d", what_.c_str(), done);
+    if (promised > 0) std::fprintf(stderr, " of %d", promised);
+    std::fflush(stderr);
+  }
+
+ private:
+  std::string what_;
+  const bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+};
+
+/// The command line that this process was started with; empty where the system does not tell.
+std::string command_line() {
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  if (!text.empty()) text.pop_back();
+  for (char& c : text) c = c == '\0' ? ' ' : c;
+  return text;
+}
+
+struct Evaluation {
+  std::vector<std::string> sequences;
+  SequenceOptions options;
+  std::string stills, report;
+  std::string board;
+  double square_mm = 0, aruco_mm = 0, apriltag_mm = 0;
+  std::string aruco_dictionary = "DICT_4X4_50";
+};
+
+/// What the options say of the prints in view.
+SequenceOptions with_prints(const Evaluation& e) {
+  SequenceOptions o = e.options;
+  if (!e.board.empty()) {
+    Board board;
+    char end = 0;
+    if (std::sscanf(e.board.c_str(), "%dx%d%c", &board.columns, &board.rows, &end) != 2 ||
+        board.columns < 2 || board.rows < 2)
+      throw WrongUsage("--board: not COLUMNSxROWS of inner corners: " + e.board);
+    if (e.square_mm <= 0) throw WrongUsage("--board needs --square-mm");
+    board.square_m = e.square_mm * 1e-3;
+    o.board = board;
+  }
+  if (e.aruco_mm > 0) o.aruco = Marker{e.aruco_dictionary, -1, e.aruco_mm * 1e-3};
+  if (e.apriltag_mm > 0) o.apriltag = Marker{"DICT_APRILTAG_36h11", -1, e.apriltag_mm * 1e-3};
+  return o;
+}
+
+int evaluate(const Evaluation& e) {
+  if (e.sequences.empty() && e.stills.empty())
+    throw WrongUsage("nothing to evaluate: give a SEQUENCE or --stills");
+  const SequenceOptions options = with_prints(e);
+  std::error_code fault;
+  std::filesystem::create_directories(e.report, fault);
+  if (fault) throw io::Error(e.report, "cannot be written to: " + fault.message());
+  // Known before the long work, not after it.
+  { const io::PendingFile probe((std::filesystem::path(e.report) / "report.html").string()); }
+
+  std::vector<Analysis> analyses;
+  for (const Sequence& s : open_sequences(e.sequences, options)) {
+    ProgressLine line(s.name);
+    analyses.push_back(analyse(record(s, [&](int done, int of) { line.show(done, of); })));
+  }
+  std::vector<StillResult> stills;
+  if (!e.stills.empty()) {
+    ProgressLine line("stills");
+    stills = track_stills(e.stills, [&](int done, int of) { line.show(done, of); });
+  }
+  const RunDescription run{command_line(), HANDYAR_VERSION};
+  for (const std::string& note : write_report(e.report, run, analyses, stills))
+    std::cerr << "handyar: " << note << '\n';
+  std::cout << (std::filesystem::path(e.report) / "report.html").string() << '\n';
+
+  // What could be read of a broken video is in the report; it is a failure all the same.
+  int code = kDone;
+  for (const Analysis& a : analyses) {
+    if (a.recording.broken_off.empty()) continue;
+    std::cerr << "handyar: " << a.recording.broken_off << '\n';
+    code = kFailed;
+  }
+  return code;
+}
+
+}  // namespace
+
+Command add_evaluate(CLI::App& app) {
+  CLI::App* options = app.add_subcommand(
+      "evaluate", "Measure speed and accuracy against markers and truth, as a report");
+  const auto e = std::make_shared<Evaluation>();
+  options->add_option("SEQUENCE", e->sequences, "Videos or folders with video.mp4");
+  options->add_option("--report", e->report, "Folder for report.html, tables.csv, errors.csv")
+      ->required();
+  options->add_option("--camera", e->options.camera_file, "Camera file (YAML) for all of them");
+  options->add_option("--hand", e->options.hand_file, "Hand file (JSON) for all of them");
+  options->add_option("--board", e->board, "Checkerboard in view, inner corners, e.g. 8x6");
+  options->add_option("--square-mm", e->square_mm, "Side of its squares")
+      ->check(CLI::PositiveNumber);
+  options->add_option("--aruco-mm", e->aruco_mm, "Side of an ArUco marker in view")
+      ->check(CLI::PositiveNumber);
+  options->add_option("--aruco-dictionary", e->aruco_dictionary, "Its dictionary")
+      ->check(CLI::IsMember(aruco_dictionaries()))
+      ->capture_default_str();
+  options->add_option("--apriltag-mm", e->apriltag_mm, "Side of an AprilTag (36h11) in view")
+      ->check(CLI::PositiveNumber);
+  options->add_option("--stills", e->stills, "List of photographs with their fingertips (CSV)");
+  options->footer(kExamples);
+  return {options, [e] { return evaluate(*e); }};
+}
+
+}  // namespace handyar::cli

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "handyar/evaluation/statistics.hpp"
+#include "handyar/evaluation/truth.hpp"
+#include "handyar/tracker.hpp"
+
+namespace handyar::evaluation {
+
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// A pose against the true one; NaN where there is no pose.
+struct PoseError {
+  double rotation_deg = kUnknown;
+  double translation_mm = kUnknown;
+  double translation_percent = kUnknown;  ///< of the distance
+  /// Normalised estimation error squared: error^T covariance^-1 error. Six on average when the
+  /// stated covariance is honest.
+  double nees = kUnknown;
+};
+
+/// One frame of a track against truth.
+struct FrameError {
+  bool eligible = false;  ///< the five tips are visible and were so long enough to be found
+  bool hand_absent = false;
+  bool visible = false;  ///< the five tips are visible now
+  bool tracked = false;  ///< state `tracking`
+  bool wrong = false;    ///< tracked, but a tip is off by over 0.2 of the thumb-little span
+  bool layout_right = false;
+  std::array<double, kFingerCount> tip_px = {kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};
+  double span_px = kUnknown, tilt_deg = kUnknown, distance_mm = kUnknown;
+  PoseError raw, filtered;
+  double board_raw_px = kUnknown;  ///< rms at the board's corners, hand-to-board known from truth
+  double board_filtered_px = kUnknown;
+
+  /// Whether the frame's errors count: tracked when it should be, and not wrong.
+  bool counted() const { return eligible && tracked && !wrong; }
+};
+
+/// Where the hand truly is, in the frame of the hand model that was used: a calibrated model's
+/// frame is laid on the true one by the best rigid fit of the five tips.
+Eigen::Isometry3d T_true_model(const Truth& truth, const HandModel& hand);
+
+/// Errors of a track, one a frame of the track; frames that truth does not know are left empty.
+std::vector<FrameError> compare(const Truth& truth, const HandModel& hand,
+                                std::span<const TrackResult> track);
+
+/// What the errors of a sequence come to, over the frames that count.
+struct Accuracy {
+  int frames = 0, eligible = 0, tracked = 0, wrong = 0, layout_wrong = 0;
+  int hand_absent = 0, falsely_tracked = 0;
+  Summary tip_px, tip_of_span;
+  std::array<Summary, kFingerCount> finger_px;
+  Summary rotation_deg, rotation_raw_deg, translation_mm, translation_raw_mm, translation_percent;
+  Summary board_px, board_raw_px;
+  Summary nees, nees_raw;
+  double nees_within_95 = kUnknown, nees_raw_within_95 = kUnknown;  ///< share; honest: 0.95
+
+  double tracked_percent() const { return eligible ? 100.0 * tracked / eligible : kUnknown; }
+  double wrong_percent() const { return tracked ? 100.0 * wrong / tracked : kUnknown; }
+};
+
+Accuracy summarize(std::span<const FrameError> errors);
+
+}  // namespace handyar::evaluation

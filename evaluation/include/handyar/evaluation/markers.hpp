@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "handyar/camera.hpp"
+
+namespace handyar::evaluation {
+
+/// A printed checkerboard. Board frame: origin at the first inner corner, x along the rows, y along
+/// the columns, z into the board.
+struct Board {
+  int columns = 8, rows = 6;  ///< inner corners
+  double square_m = 0.025;
+
+  /// Inner corners in the board frame, row by row (metres).
+  std::vector<Eigen::Vector3d> corners_m() const;
+};
+
+/// A printed square marker. Marker frame: origin at the centre, x right, y up, z out of the print.
+struct Marker {
+  std::string dictionary;  ///< OpenCV's name, e.g. "DICT_4X4_50", "DICT_APRILTAG_36h11"
+  int id = -1;             ///< -1: whichever of the dictionary is seen, the largest first
+  double size_m = 0.08;    ///< outer side of the black square
+
+  bool is_apriltag() const { return dictionary.starts_with("DICT_APRILTAG"); }
+};
+
+/// A board found in a frame.
+struct BoardView {
+  std::vector<Eigen::Vector2d> corners_px;  ///< in the order of Board::corners_m
+  Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
+};
+
+/// The board in a grey picture, corners refined to sub-pixel; empty when it is not seen whole.
+std::optional<BoardView> find_board(const cv::Mat& gray, const Board& board, const Camera& camera);
+
+/// A marker system used as the yardstick: detection and pose, one thread.
+class MarkerFinder {
+ public:
+  virtual ~MarkerFinder() = default;
+  /// T_camera_marker, or empty when the marker is not seen.
+  virtual std::optional<Eigen::Isometry3d> find(const cv::Mat& gray, const Camera& camera) = 0;
+};
+
+/// Names of the dictionaries that make_aruco_finder knows.
+std::vector<std::string> aruco_dictionaries();
+
+/// OpenCV's ArUco with corners refined to sub-pixel and the square's own closed-form pose.
+/// Throws std::invalid_argument when OpenCV knows no such dictionary.
+std::unique_ptr<MarkerFinder> make_aruco_finder(const Marker& marker);
+
+/// AprilTag 3 (family 36h11) with its own pose estimate.
+std::unique_ptr<MarkerFinder> make_apriltag_finder(const Marker& marker);
+
+/// Version of OpenCV that the baselines run with.
+std::string opencv_version();
+
+}  // namespace handyar::evaluation

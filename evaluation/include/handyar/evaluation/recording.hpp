@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "handyar/evaluation/board_error.hpp"
+#include "handyar/evaluation/sequence.hpp"
+#include "handyar/tracker.hpp"
+
+namespace handyar::evaluation {
+
+/// What the tracker gave with one setting, frame by frame.
+struct Track {
+  std::string method;  ///< name of the fingertip method
+  bool half_resolution = false;
+  std::vector<TrackResult> results;
+};
+
+/// What a marker system gave, frame by frame: detection with pose.
+struct MarkerTrack {
+  std::string system;  ///< "ArUco" or "AprilTag"
+  bool half_resolution = false;
+  Poses T_camera_marker;
+  std::vector<double> ms;  ///< colour conversion, detection and pose
+};
+
+/// Everything measured on one sequence, all of it on the same frames in the same run.
+struct Recording {
+  Sequence sequence;
+  double frames_per_second = 30;
+  std::vector<double> time_s;
+  std::vector<Track> tracks;  ///< the first is the default setting at full resolution
+  std::vector<MarkerTrack> markers;
+  std::vector<std::optional<BoardView>> board_views;
+  std::vector<std::vector<Eigen::Vector2f>> contours_px;  ///< of tracks[0]
+  std::string broken_off;  ///< why the video ended early; empty: it did not
+
+  const Track& main_track() const { return tracks.front(); }
+  const Track* find_track(const std::string& method, bool half_resolution) const;
+  const MarkerTrack* find_marker(const std::string& system, bool half_resolution) const;
+};
+
+/// Called after each frame with the number of frames done and promised (0: unknown).
+using Progress = std::function<void(int done, int promised)>;
+
+/// Reads the video once and lets everything see each frame: the tracker with every fingertip method
+/// at both resolutions, both marker systems at both resolutions, the board.
+Recording record(const Sequence& sequence, const Progress& progress = {});
+
+}  // namespace handyar::evaluation

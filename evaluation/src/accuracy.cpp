@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/evaluation/accuracy.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "handyar/evaluation/board_error.hpp"
+#include "handyar/evaluation/rigid.hpp"
+
+namespace handyar::evaluation {
+namespace {
+
+constexpr int kWarmUpFrames = 25;  ///< given for acquisition at the beginning
+constexpr int kRegainFrames = 12;  ///< given for acquisition after the tips were hidden
+constexpr double kWrongOfSpan = 0.2;
+constexpr double kChiSquare6At95 = 12.5916;
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kMillimetres = 1e3;
+
+PoseError pose_error(const Eigen::Isometry3d& estimate, const Matrix6d& covariance,
+                     const Eigen::Isometry3d& truth) {
+  PoseError e;
+  e.rotation_deg = angle_between(estimate.linear(), truth.linear()) * kDegrees;
+  Eigen::Vector<double, 6> error;
+  error << rotation_vector(truth.linear() * estimate.linear().transpose()),
+      truth.translation() - estimate.translation();
+  e.translation_mm = error.tail<3>().norm() * kMillimetres;
+  e.translation_percent = 100 * error.tail<3>().norm() / truth.translation().norm();
+  const Eigen::LLT<Matrix6d> llt(covariance);
+  if (llt.info() == Eigen::Success) e.nees = error.dot(llt.solve(error));
+  return e;
+}
+
+/// The hand frame of one face in that of the other.
+Eigen::Isometry3d turned_about_y() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::Vector3d(-1, 1, -1).asDiagonal();
+  return T;
+}
+
+void compare_tips(const TruthFrame& truth, const TrackResult& result, FrameError& e) {
+  for (std::size_t i = 0; i < kFingerCount; ++i) {
+    if (result.tips[i].seen) e.tip_px[i] = (result.tips[i].px - truth.tips_px[i]).norm();
+    if (!(e.tip_px[i] <= kWrongOfSpan * e.span_px)) e.wrong = true;  // also when it was not seen
+  }
+}
+
+class Comparison {
+ public:
+  Comparison(const Truth& truth, const HandModel& hand)
+      : truth_(truth), T_model_true_(T_true_model(truth, hand).inverse()) {}
+
+  FrameError operator()(const TruthFrame& f, const TrackResult& r) const {
+    FrameError e;
+    e.hand_absent = f.hand_absent;
+    e.visible = f.all_tips_visible;
+    e.tracked = r.state == State::tracking;
+    e.layout_right = r.layout == f.layout;
+    e.span_px = f.span_px();
+    e.tilt_deg = f.tilt_rad() * kDegrees;
+    e.distance_mm = f.distance_m() * kMillimetres;
+    if (!e.tracked) return e;
+    compare_tips(f, r, e);
+    const Eigen::Isometry3d turn = f.other_face ? turned_about_y() : Eigen::Isometry3d::Identity();
+    const Eigen::Isometry3d T_model_hand = turn * T_model_true_ * turn.inverse();
+    if (r.raw_pose) {
+      const Eigen::Isometry3d T = r.raw_pose->T_camera_hand * T_model_hand;
+      e.raw = pose_error(T, r.raw_pose->covariance, f.T_camera_hand);
+      e.board_raw_px = board_px(f, T);
+    }
+    if (r.pose) {
+      const Eigen::Isometry3d T = r.pose->T_camera_hand * T_model_hand;
+      e.filtered = pose_error(T, r.pose->covariance, f.T_camera_hand);
+      e.board_filtered_px = board_px(f, T);
+    }
+    return e;
+  }
+
+ private:
+  double board_px(const TruthFrame& f, const Eigen::Isometry3d& T_camera_hand) const {
+    if (!truth_.board || !truth_.hand_still_in_world) return kUnknown;
+    const Eigen::Isometry3d T_camera_board = f.T_camera_world * *truth_.T_world_board;
+    const Eigen::Isometry3d T_hand_board = f.T_camera_hand.inverse() * T_camera_board;
+    return rms_distance_px(
+        project_board(*truth_.board, truth_.camera, T_camera_hand * T_hand_board),
+        project_board(*truth_.board, truth_.camera, T_camera_board));
+  }
+
+  const Truth& truth_;
+  Eigen::Isometry3d T_model_true_;
+};
+
+Summary summarize_counted(std::span<const FrameError> errors,
+                          const std::function<double(const FrameError&)>& value) {
+  std::vector<double> v;
+  for (const FrameError& e : errors)
+    if (e.counted()) v.push_back(value(e));
+  return summarize(v);
+}
+
+double share_within_95(std::span<const FrameError> errors, PoseError FrameError::*pose) {
+  int n = 0, within = 0;
+  for (const FrameError& e : errors) {
+    const double nees = (e.*pose).nees;
+    if (!e.counted() || std::isnan(nees)) continue;
+    ++n;
+    within += nees <= kChiSquare6At95;
+  }
+  return n ? double(within) / n : kUnknown;
+}
+
+}  // namespace
+
+Eigen::Isometry3d T_true_model(const Truth& truth, const HandModel& hand) {
+  if (hand.source == HandSource::truth) return Eigen::Isometry3d::Identity();
+  return rigid_fit(hand.for_layout(truth.hand.layout).tips_m, truth.hand.tips_m);
+}
+
+std::vector<FrameError> compare(const Truth& truth, const HandModel& hand,
+                                std::span<const TrackResult> track) {
+  const Comparison comparison(truth, hand);
+  std::vector<FrameError> errors(track.size());
+  int seen = 0;  // frames since the five tips came into view
+  for (std::size_t i = 0; i < std::min(track.size(), truth.frames.size()); ++i) {
+    errors[i] = comparison(truth.frames[i], track[i]);
+    seen = errors[i].visible ? seen + 1 : 0;
+    const int given = int(i) >= kWarmUpFrames + kRegainFrames ? kRegainFrames : 0;
+    errors[i].eligible = int(i) >= kWarmUpFrames && seen > given;
+  }
+  return errors;
+}
+
+Accuracy summarize(std::span<const FrameError> errors) {
+  Accuracy a;
+  std::vector<double> tip_px, tip_of_span;
+  for (const FrameError& e : errors) {
+    ++a.frames;
+    a.hand_absent += e.hand_absent;
+    a.falsely_tracked += e.hand_absent && e.tracked;
+    a.eligible += e.eligible;
+    a.tracked += e.eligible && e.tracked;
+    a.wrong += e.eligible && e.wrong;
+    a.layout_wrong += e.eligible && e.tracked && !e.layout_right;
+    if (!e.counted()) continue;
+    for (double px : e.tip_px) {
+      tip_px.push_back(px);
+      tip_of_span.push_back(px / e.span_px);
+    }
+  }
+  a.tip_px = summarize(tip_px);
+  a.tip_of_span = summarize(tip_of_span);
+  for (std::size_t i = 0; i < kFingerCount; ++i)
+    a.finger_px[i] = summarize_counted(errors, [i](const auto& e) { return e.tip_px[i]; });
+  const auto over = [&](auto value) { return summarize_counted(errors, value); };
+  a.rotation_deg = over([](const FrameError& e) { return e.filtered.rotation_deg; });
+  a.rotation_raw_deg = over([](const FrameError& e) { return e.raw.rotation_deg; });
+  a.translation_mm = over([](const FrameError& e) { return e.filtered.translation_mm; });
+  a.translation_raw_mm = over([](const FrameError& e) { return e.raw.translation_mm; });
+  a.translation_percent = over([](const FrameError& e) { return e.filtered.translation_percent; });
+  a.board_px = over([](const FrameError& e) { return e.board_filtered_px; });
+  a.board_raw_px = over([](const FrameError& e) { return e.board_raw_px; });
+  a.nees = over([](const FrameError& e) { return e.filtered.nees; });
+  a.nees_raw = over([](const FrameError& e) { return e.raw.nees; });
+  a.nees_within_95 = share_within_95(errors, &FrameError::filtered);
+  a.nees_raw_within_95 = share_within_95(errors, &FrameError::raw);
+  return a;
+}
+
+}  // namespace handyar::evaluation

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/evaluation/pictures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "handyar/io/error.hpp"
+#include "handyar/io/frame_source.hpp"
+
+namespace handyar::evaluation {
+namespace {
+
+constexpr int kSamples = 4, kWorst = 4;
+constexpr int kApartFrames = 10;  ///< neighbours show the same
+constexpr int kWidth_px = 480;
+constexpr int kJpegQuality = 82;
+constexpr int kSubPixelBits = 4;
+
+double largest(const FrameError& e) {
+  double most = 0;
+  for (const double px : e.tip_px)
+    if (std::isfinite(px)) most = std::max(most, px);
+  return most;
+}
+
+/// How bad a frame is: the whole number says what kind of fault, the rest how large.
+double badness(const Analysis& a, std::size_t i) {
+  const TrackResult& r = a.recording.main_track().results[i];
+  if (!a.has_truth()) {
+    if (r.state == State::lost) return 2;
+    return r.raw_pose && std::isfinite(r.raw_pose->rms_px) ? std::tanh(r.raw_pose->rms_px / 10) : 0;
+  }
+  const FrameError& e = a.main_track().errors[i];
+  const double size = std::tanh(largest(e) / 100);
+  if (e.hand_absent && e.tracked) return 4;
+  if (e.eligible && e.wrong) return 3 + size;
+  if (e.eligible && !e.tracked) return 2;
+  return e.counted() ? size : 0;
+}
+
+std::string caption(const Analysis& a, std::size_t i) {
+  const TrackResult& r = a.recording.main_track().results[i];
+  std::string text = "frame " + std::to_string(i) + ": " + std::string(name(r.state));
+  char more[96] = "";
+  if (a.has_truth() && a.main_track().errors[i].tracked) {
+    const FrameError& e = a.main_track().errors[i];
+    text += e.hand_absent ? ", but no hand is there" : e.wrong ? ", wrong" : "";
+    if (!e.hand_absent)
+      std::snprintf(more, sizeof more, ", tips off by up to %.1f px, pose by %.1f°, %.1f mm",
+                    largest(e), e.filtered.rotation_deg, e.filtered.translation_mm);
+  } else if (a.has_truth() && a.main_track().errors[i].eligible) {
+    text += ", though the hand is in view";
+  } else if (r.raw_pose) {
+    std::snprintf(more, sizeof more, ", residual %.2f px", r.raw_pose->rms_px);
+  }
+  return text + more;
+}
+
+/// Frames to show, each with whether it is one of the worst.
+std::map<int, bool> choose(const Analysis& a) {
+  const int n = int(a.recording.main_track().results.size());
+  std::vector<int> order(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) order[std::size_t(i)] = i;
+  std::vector<double> bad;
+  for (int i = 0; i < n; ++i) bad.push_back(badness(a, std::size_t(i)));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int i, int j) { return bad[std::size_t(i)] > bad[std::size_t(j)]; });
+  std::map<int, bool> chosen;
+  for (const int i : order) {
+    if (int(chosen.size()) == kWorst || bad[std::size_t(i)] <= 0) break;
+    const auto near = chosen.lower_bound(i - kApartFrames);
+    if (near == chosen.end() || near->first > i + kApartFrames) chosen[i] = true;
+  }
+  for (int k = 0; k < kSamples && n > 0; ++k)
+    chosen.emplace((2 * k + 1) * n / (2 * kSamples), false);
+  return chosen;
+}
+
+cv::Point fixed_point(const Eigen::Vector2d& px) {
+  return {int(std::lround(px.x() * (1 << kSubPixelBits))),
+          int(std::lround(px.y() * (1 << kSubPixelBits)))};
+}
+
+void draw_axes(cv::Mat& bgr, const Camera& camera, const Eigen::Isometry3d& T_camera_hand) {
+  constexpr double kAxis_m = 0.04;
+  const Eigen::Vector3d origin = T_camera_hand.translation();
+  if (origin.z() <= kAxis_m) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d end =
+        T_camera_hand * Eigen::Vector3d(kAxis_m * Eigen::Vector3d::Unit(axis));
+    cv::Scalar color(0, 0, 0);
+    color[2 - axis] = 255;  // x red, y green, z blue
+    cv::line(bgr, fixed_point(camera.project(origin)), fixed_point(camera.project(end)), color, 2,
+             cv::LINE_AA, kSubPixelBits);
+  }
+}
+
+void draw(cv::Mat& bgr, const Analysis& a, std::size_t i) {
+  const TrackResult& r = a.recording.main_track().results[i];
+  std::vector<cv::Point> contour;
+  for (const Eigen::Vector2f& p : a.recording.contours_px[i])
+    contour.push_back(fixed_point(p.cast<double>()));
+  if (!contour.empty())
+    cv::polylines(bgr, contour, true, {255, 255, 0}, 1, cv::LINE_AA, kSubPixelBits);
+  if (r.pose) draw_axes(bgr, a.recording.sequence.camera, r.pose->T_camera_hand);
+  if (a.has_truth() && i < a.recording.sequence.truth->frames.size())
+    for (const Eigen::Vector2d& tip : a.recording.sequence.truth->frames[i].tips_px)
+      for (const double slope : {-1.0, 1.0}) {
+        const Eigen::Vector2d arm(6, 6 * slope);
+        cv::line(bgr, fixed_point(tip - arm), fixed_point(tip + arm), {255, 255, 255}, 1,
+                 cv::LINE_AA, kSubPixelBits);
+      }
+  if (r.state != State::acquiring && r.state != State::tracking) return;
+  for (std::size_t f = 0; f < kFingerCount; ++f) {
+    if (!r.tips[f].seen) continue;
+    const cv::Point at(int(std::lround(r.tips[f].px.x())), int(std::lround(r.tips[f].px.y())));
+    cv::circle(bgr, fixed_point(r.tips[f].px), 5 << kSubPixelBits, {0, 140, 255}, 2, cv::LINE_AA,
+               kSubPixelBits);
+    cv::putText(bgr, std::string(kFingerNames[f]), at + cv::Point(8, -6), cv::FONT_HERSHEY_SIMPLEX,
+                0.45, {0, 0, 0}, 3, cv::LINE_AA);
+    cv::putText(bgr, std::string(kFingerNames[f]), at + cv::Point(8, -6), cv::FONT_HERSHEY_SIMPLEX,
+                0.45, {255, 255, 255}, 1, cv::LINE_AA);
+  }
+}
+
+std::string base64(const std::vector<unsigned char>& bytes) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned word = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      word = word << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string jpeg_uri(const cv::Mat& bgr) {
+  cv::Mat small;
+  cv::resize(bgr, small, {kWidth_px, kWidth_px * bgr.rows / bgr.cols}, 0, 0, cv::INTER_AREA);
+  std::vector<unsigned char> bytes;
+  cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  return "data:image/jpeg;base64," + base64(bytes);
+}
+
+}  // namespace
+
+std::vector<Picture> take_pictures(const Analysis& a) {
+  const std::map<int, bool> chosen = choose(a);
+  std::vector<Picture> pictures;
+  const auto source = io::open_input(a.recording.sequence.video);
+  io::Frame frame;
+  for (int i = 0; !chosen.empty() && i <= chosen.rbegin()->first; ++i) {
+    if (!source->read(frame)) break;
+    const auto wanted = chosen.find(i);
+    if (wanted == chosen.end()) continue;
+    cv::Mat bgr = frame.bgr.clone();
+    draw(bgr, a, std::size_t(i));
+    pictures.push_back({i, caption(a, std::size_t(i)), wanted->second, jpeg_uri(bgr)});
+  }
+  return pictures;
+}
+
+}  // namespace handyar::evaluation

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/evaluation/truth.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "handyar/io/error.hpp"
+
+namespace handyar::evaluation {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMetresPerMillimetre = 1e-3;
+constexpr double kOutstretchedFold = 0.02;  ///< fingers folded less than this count as outstretched
+constexpr double kAbsentFraction = 0.05;    ///< less of the hand than this in view: it is absent
+
+template <int Rows, int Columns>
+Eigen::Matrix<double, Rows, Columns> matrix(const json& j) {
+  Eigen::Matrix<double, Rows, Columns> m;
+  for (int r = 0; r < Rows; ++r)
+    for (int c = 0; c < Columns; ++c) {
+      m(r, c) =
+          Columns == 1 ? j.at(r).template get<double>() : j.at(r).at(c).template get<double>();
+      if (!std::isfinite(m(r, c))) throw std::runtime_error("a number is not finite");
+    }
+  return m;
+}
+
+Eigen::Isometry3d transform(const json& j, const std::string& what) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = matrix<3, 3>(j.at("R_" + what));
+  T.translation() = matrix<3, 1>(j.at("t_" + what + "_mm")) * kMetresPerMillimetre;
+  return T;
+}
+
+Camera camera(const json& j) {
+  const Eigen::Matrix3d K = matrix<3, 3>(j.at("K"));
+  Camera c;
+  c.width_px = j.at("width");
+  c.height_px = j.at("height");
+  c.fx_px = K(0, 0);
+  c.fy_px = K(1, 1);
+  c.cx_px = K(0, 2);
+  c.cy_px = K(1, 2);
+  if (j.contains("dist"))
+    for (std::size_t i = 0; i < c.distortion.size() && i < j["dist"].size(); ++i)
+      c.distortion[i] = j["dist"][i];
+  return c;
+}
+
+HandModel hand(const json& j) {
+  HandModel m;
+  for (int finger = 0; finger < kFingerCount; ++finger)
+    m.tips_m.col(finger) = matrix<3, 1>(j.at("tips_hand_mm").at(finger)) * kMetresPerMillimetre;
+  m.source = HandSource::truth;
+  return m;
+}
+
+/// On which side the thumb is in the picture, the fingers taken as up (y points down there).
+Layout layout_in_picture(const std::array<Eigen::Vector2d, kFingerCount>& tips) {
+  const Eigen::Vector2d up = tips[2] - (tips[0] + tips[4]) / 2, to_thumb = tips[0] - tips[4];
+  return up.x() * to_thumb.y() - up.y() * to_thumb.x() > 0 ? Layout::thumb_right
+                                                           : Layout::thumb_left;
+}
+
+TruthFrame frame(const json& j) {
+  TruthFrame f;
+  f.T_camera_world = transform(j, "world_to_cam");
+  f.T_camera_hand = transform(j, "hand_to_cam");
+  // The file keeps one frame for both faces; handyar's has +z towards the camera.
+  f.other_face = f.T_camera_hand.linear().col(2).dot(f.T_camera_hand.translation()) > 0;
+  if (f.other_face) f.T_camera_hand.linear() *= Eigen::Vector3d(-1, 1, -1).asDiagonal();
+  f.all_tips_visible = j.value("fold", 0.0) < kOutstretchedFold;
+  for (int finger = 0; finger < kFingerCount; ++finger) {
+    f.tips_px[std::size_t(finger)] = matrix<2, 1>(j.at("tips_px").at(finger));
+    f.all_tips_visible &= j.at("tip_visible").at(finger).get<bool>();
+  }
+  f.layout = layout_in_picture(f.tips_px);
+  f.hand_absent = j.value("hand_visible_fraction", 1.0) < kAbsentFraction;
+  return f;
+}
+
+Truth parse(const json& j) {
+  Truth t;
+  t.name = j.value("name", "");
+  t.camera = camera(j);
+  t.hand = hand(j);
+  t.frames_per_second = j.value("fps", 30.0);
+  t.hand_still_in_world = j.value("static_hand", false);
+  if (j.contains("board") && !j["board"].is_null()) {
+    const json& b = j["board"];
+    t.board = Board{b.at("inner_corners").at(0), b.at("inner_corners").at(1),
+                    b.at("square_mm").get<double>() * kMetresPerMillimetre};
+    t.T_world_board = transform(b, "board_to_world");
+  }
+  for (const json& m : j.value("markers", json::array())) {
+    t.markers.push_back({m.at("dict").get<std::string>(), m.at("id").get<int>(),
+                         m.at("size_mm").get<double>() * kMetresPerMillimetre});
+    t.T_world_marker.push_back(transform(m, "marker_to_world"));
+  }
+  for (const json& f : j.at("frames")) {
+    if (f.at("frame").get<std::size_t>() != t.frames.size())
+      throw std::runtime_error("frame " + std::to_string(t.frames.size()) + " is missing");
+    t.frames.push_back(frame(f));
+  }
+  return t;
+}
+
+}  // namespace
+
+double TruthFrame::tilt_rad() const {
+  const double c = -T_camera_hand.linear().col(2).dot(T_camera_hand.translation().normalized());
+  return std::acos(std::clamp(c, -1.0, 1.0));
+}
+
+Truth read_truth(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) throw io::Error(file.string(), "cannot be read");
+  try {
+    return parse(json::parse(in));
+  } catch (const std::exception& e) {
+    throw io::Error(file.string(), std::string("not a sequence's truth: ") + e.what());
+  }
+}
+
+}  // namespace handyar::evaluation
