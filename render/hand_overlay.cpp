@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#include "render/hand_overlay.hpp"
+
+namespace handyar::render {
+
+Eigen::Vector3d palm_centre_m(const HandModel& hand) {
+  constexpr int kMiddle = static_cast<int>(Finger::middle);
+  return {0, -0.3 * hand.tips_m(1, kMiddle), 0};
+}
+
+Eigen::Isometry3d T_hand_object(const HandModel& hand) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = palm_centre_m(hand);
+  T.linear() = Eigen::AngleAxisd(-M_PI_2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return T;
+}
+
+HandOverlay::HandOverlay(const Model& model, const Camera& camera, double size_m,
+                         std::shared_ptr<Context> context)
+    : renderer_(std::move(context)), camera_(camera) {
+  instance_.model = renderer_.add(model);
+  instance_.size_m = size_m;
+}
+
+void HandOverlay::draw(cv::Mat& frame_bgr, double time_s,
+                       const std::optional<Eigen::Isometry3d>& T_camera_hand, const HandModel& hand,
+                       const HandMask& mask) {
+  presence_.update(time_s, T_camera_hand,
+                   T_camera_hand ? std::optional(hand.layout) : std::nullopt);
+  const Presence::Sighting seen = presence_.sighting();
+  if (T_camera_hand) T_hand_object_ = T_hand_object(hand);
+  instance_.opacity = seen.opacity;
+  instance_.T_camera_object = seen.T_camera_hand * T_hand_object_;
+  HandOccluder occluder{mask, seen.T_camera_hand, 0.008};
+  renderer_.draw(frame_bgr, camera_, {&instance_, 1}, occluder);
+}
+
+}  // namespace handyar::render
