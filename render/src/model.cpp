@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "render/model.hpp"
+#include "handyar/render/model.hpp"
 
 namespace handyar::render {
 

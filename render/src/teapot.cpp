@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "render/model.hpp"
+#include "handyar/render/model.hpp"
 
 namespace handyar::render {
 namespace {

@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "render/context.hpp"
+#include "handyar/render/context.hpp"
 
 struct GLFWwindow;
 
@@ -13,7 +13,7 @@ namespace handyar::render {
 /// A window on the screen that shows pictures; its context can draw overlays as well.
 class Window final : public Context {
  public:
-  /// Throws std::runtime_error when there is no screen.
+  /// Throws io::Error when there is no screen.
   Window(int width_px, int height_px, const std::string& title);
   ~Window() override;
 

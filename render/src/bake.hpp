@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "render/model.hpp"
+#include "handyar/render/model.hpp"
 
 namespace handyar::render {
 

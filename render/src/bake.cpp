@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "render/bake.hpp"
+#include "bake.hpp"
 
 #include <opencv2/imgproc.hpp>
 #include <vector>

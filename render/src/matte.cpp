@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "render/matte.hpp"
+#include "matte.hpp"
 
 #include <opencv2/imgproc.hpp>
 

@@ -8,9 +8,9 @@
 #include <span>
 
 #include "handyar/camera.hpp"
+#include "handyar/render/context.hpp"
+#include "handyar/render/model.hpp"
 #include "handyar/tracker.hpp"
-#include "render/context.hpp"
-#include "render/model.hpp"
 
 namespace handyar::render {
 
@@ -27,6 +27,7 @@ struct Instance {
   float opacity = 1;
   float glow = 0;  ///< 0 .. 1: shows that the object is chosen
   Ground ground = Ground::hand;
+  float shadow = 1;  ///< strength of its shadow on the ground, 0 .. 1
 };
 
 /// The real hand, which hides what is behind it.
@@ -46,7 +47,7 @@ struct HandOccluder {
 /// is; edges longer than a few degrees of view should be tessellated.
 class Renderer {
  public:
-  /// Draws in `context`, which is made current by every call. Throws std::runtime_error without
+  /// Draws in `context`, which is made current by every call. Throws io::Error without
   /// OpenGL 3.3.
   explicit Renderer(std::shared_ptr<Context> context = headless_context());
   ~Renderer();

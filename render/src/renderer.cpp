@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "render/renderer.hpp"
+#include "handyar/render/renderer.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
 
-#include "render/bake.hpp"
-#include "render/gl.hpp"
-#include "render/illumination.hpp"
-#include "render/matte.hpp"
-#include "render/shaders.hpp"
+#include "bake.hpp"
+#include "gl.hpp"
+#include "illumination.hpp"
+#include "matte.hpp"
+#include "shaders.hpp"
 
 namespace handyar::render {
 namespace {
@@ -271,6 +271,7 @@ struct Renderer::Impl {
       const Eigen::Vector2f shift = -height * lamp.head<2>() / std::max(lamp.z(), 0.45f);
       glUniform2f(ground["thrown"], shift.x(), shift.y());
       glUniform1f(ground["strength"], 0.2f + 0.3f * std::clamp(lamp.z() * 2, 0.0f, 1.0f));
+      glUniform1f(ground["shade"], instance.shadow);
       glUniform1i(ground["on_hand"], instance.ground == Ground::hand);
       glActiveTexture(GL_TEXTURE4);
       glBindTexture(GL_TEXTURE_2D, model.shadow);

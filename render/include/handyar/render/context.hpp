@@ -18,7 +18,7 @@ class Context {
 };
 
 /// A context that needs no display (EGL without a surface; with Mesa also without a GPU). Throws
-/// std::runtime_error when the machine offers none.
+/// io::Error when the machine offers none.
 std::shared_ptr<Context> headless_context();
 
 }  // namespace handyar::render

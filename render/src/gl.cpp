@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "render/gl.hpp"
+#include "gl.hpp"
 
 #include <stdexcept>
 

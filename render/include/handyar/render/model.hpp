@@ -53,7 +53,7 @@ Model teapot();
 Model bunny();
 
 /// Reads OBJ, PLY, glTF and whatever else assimp can, with materials and textures; +y up and
-/// +z to the front in the file, as those formats have it. Throws std::runtime_error with one line
+/// +z to the front in the file, as those formats have it. Throws io::Error with one line
 /// that names the file.
 Model load_model(const std::filesystem::path& path);
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "render/window.hpp"
+#include "handyar/render/window.hpp"
 
-#include "render/gl.hpp"
+#include "gl.hpp"
 // GLFW after epoxy, which brings the OpenGL declarations.
 #include <GLFW/glfw3.h>
 
-#include <stdexcept>
+#include "handyar/io/error.hpp"
 
 namespace handyar::render {
 
@@ -29,14 +29,14 @@ void main() { colour = vec4(texture(picture, uv).rgb, 1.0); })"};
 };
 
 Window::Window(int width_px, int height_px, const std::string& title) {
-  if (!glfwInit()) throw std::runtime_error("window: there is no screen to open one on");
+  if (!glfwInit()) throw io::Error("window", "there is no screen to open one on");
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   window_ = glfwCreateWindow(width_px, height_px, title.c_str(), nullptr, nullptr);
   if (!window_) {
     glfwTerminate();
-    throw std::runtime_error("window: this screen offers no OpenGL 3.3");
+    throw io::Error("window", "this screen offers no OpenGL 3.3");
   }
   make_current();
   glfwSwapInterval(0);  // the camera sets the pace

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "render/context.hpp"
+#include "handyar/render/context.hpp"
 
 #include <epoxy/egl.h>
 
-#include <stdexcept>
+#include "handyar/io/error.hpp"
 
 namespace handyar::render {
 namespace {
@@ -28,7 +28,7 @@ class HeadlessContext final : public Context {
       context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, context_attributes);
     if (context_ == EGL_NO_CONTEXT) {
       eglTerminate(display_);
-      throw std::runtime_error("OpenGL: this machine offers no OpenGL 3.3 through EGL");
+      throw io::Error("OpenGL", "this machine offers no OpenGL 3.3 through EGL");
     }
     make_current();
   }
@@ -41,7 +41,7 @@ class HeadlessContext final : public Context {
 
   void make_current() override {
     if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
-      throw std::runtime_error("OpenGL: EGL offers no context without a surface here");
+      throw io::Error("OpenGL", "EGL offers no context without a surface here");
   }
 
  private:
@@ -52,7 +52,7 @@ class HeadlessContext final : public Context {
     if (display_ == EGL_NO_DISPLAY || !eglInitialize(display_, nullptr, nullptr)) {
       display_ = eglGetDisplay(EGL_DEFAULT_DISPLAY);
       if (display_ == EGL_NO_DISPLAY || !eglInitialize(display_, nullptr, nullptr))
-        throw std::runtime_error("OpenGL: EGL finds no display to draw without a screen");
+        throw io::Error("OpenGL", "EGL finds no display to draw without a screen");
     }
   }
 

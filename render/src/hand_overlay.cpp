@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "render/hand_overlay.hpp"
+#include "handyar/render/hand_overlay.hpp"
 
 namespace handyar::render {
 

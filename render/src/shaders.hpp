@@ -149,6 +149,7 @@ inline constexpr char kGroundFragment[] = R"(
 uniform sampler2D shadow;
 uniform vec2 thrown;     // by how much the light moves the shadow of the whole, in sizes
 uniform float strength; // of that shadow
+uniform float shade;    // of all of it
 uniform bool on_hand;
 uniform float opacity, glow;
 in vec3 p;
@@ -158,7 +159,7 @@ void main() {
   float touching = texture(shadow, at * 0.5 + 0.5).r;
   float whole = texture(shadow, (at - thrown) * 0.5 + 0.5).g;
   float edge = smoothstep(1.0, 0.75, max(abs(at.x), abs(at.y)));
-  float dark = (1.0 - (1.0 - 0.55 * touching) * (1.0 - strength * whole)) * edge;
+  float dark = (1.0 - (1.0 - 0.55 * touching) * (1.0 - strength * whole)) * edge * shade;
   float ring = glow * smoothstep(0.10, 0.0, abs(length(at) - 0.62));
   float visible = opacity * (on_hand ? hand_here().r : seen_past_hand(p));
   result = vec4(vec3(1.0, 0.8, 0.3) * 0.8 * ring, max(dark, 0.8 * ring)) * visible;

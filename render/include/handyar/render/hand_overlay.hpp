@@ -4,9 +4,9 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "handyar/render/presence.hpp"
+#include "handyar/render/renderer.hpp"
 #include "handyar/tracker.hpp"
-#include "render/presence.hpp"
-#include "render/renderer.hpp"
 
 namespace handyar::render {
 
@@ -26,7 +26,7 @@ Eigen::Isometry3d T_hand_object(const HandModel& hand);
 ///     overlay.draw(frame_bgr, tracker, tracker.process(view, time_s));
 class HandOverlay {
  public:
-  /// `size_m`: longest side of the object. Throws std::runtime_error without OpenGL 3.3.
+  /// `size_m`: longest side of the object. Throws io::Error without OpenGL 3.3.
   HandOverlay(const Model& model, const Camera& camera, double size_m = 0.09,
               std::shared_ptr<Context> context = headless_context());
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "render/model.hpp"
+#include "handyar/render/model.hpp"
 
 namespace handyar::render {
 namespace {

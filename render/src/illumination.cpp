@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "render/illumination.hpp"
+#include "illumination.hpp"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "render/presence.hpp"
+#include "handyar/render/presence.hpp"
 
 #include <algorithm>
 

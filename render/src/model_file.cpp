@@ -8,9 +8,9 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
 
-#include "render/model.hpp"
+#include "handyar/io/error.hpp"
+#include "handyar/render/model.hpp"
 
 namespace handyar::render {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& fault) {
-  throw std::runtime_error(path.string() + ": " + fault);
+  throw io::Error(path.string(), fault);
 }
 
 std::string first_line(std::string text) { return text.substr(0, text.find_first_of("\r\n")); }
