@@ -138,10 +138,10 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
     summary.tracked += result.state == State::tracking;
     if (run.timings) times_ms.push_back(result.times.total_ms);
     if (outputs.poses) outputs.poses->write(frame.index, result);
-    if (outputs.pictures()) {
+    if (outputs.pictures() || run.overlay) {
       frame.bgr.copyTo(picture);
-      if (run.overlay) run.overlay(picture, tracker, camera, result);
-      annotate(picture, tracker, camera, result);
+      if (run.overlay) run.overlay(picture, frame.index, tracker, camera, result);
+      if (run.annotated) annotate(picture, tracker, camera, result);
       if (outputs.video) outputs.video->write(picture);
       if (outputs.window && !outputs.window->show(picture, until_due_s())) break;
     }

@@ -15,14 +15,13 @@ Eigen::Isometry3d T_hand_object(const HandModel& hand) {
   return T;
 }
 
-HandOverlay::HandOverlay(const Model& model, const Camera& camera, double size_m,
-                         std::shared_ptr<Context> context)
-    : renderer_(std::move(context)), camera_(camera) {
+HandOverlay::HandOverlay(const Model& model, double size_m, std::shared_ptr<Context> context)
+    : renderer_(std::move(context)) {
   instance_.model = renderer_.add(model);
   instance_.size_m = size_m;
 }
 
-void HandOverlay::draw(cv::Mat& frame_bgr, double time_s,
+void HandOverlay::draw(cv::Mat& frame_bgr, const Camera& camera, double time_s,
                        const std::optional<Eigen::Isometry3d>& T_camera_hand, const HandModel& hand,
                        const HandMask& mask) {
   presence_.update(time_s, T_camera_hand,
@@ -32,7 +31,7 @@ void HandOverlay::draw(cv::Mat& frame_bgr, double time_s,
   instance_.opacity = seen.opacity;
   instance_.T_camera_object = seen.T_camera_hand * T_hand_object_;
   HandOccluder occluder{mask, seen.T_camera_hand, 0.008};
-  renderer_.draw(frame_bgr, camera_, {&instance_, 1}, occluder);
+  renderer_.draw(frame_bgr, camera, {&instance_, 1}, occluder);
 }
 
 }  // namespace handyar::render

@@ -22,29 +22,29 @@ Eigen::Isometry3d T_hand_object(const HandModel& hand);
 
 /// One object standing on the tracked hand: for `track --model` and the demo.
 ///
-///     HandOverlay overlay(find_model("bunny"), camera);
-///     overlay.draw(frame_bgr, tracker, tracker.process(view, time_s));
+///     HandOverlay overlay(find_model("bunny"));
+///     overlay.draw(frame_bgr, camera, tracker, tracker.process(view, time_s));
 class HandOverlay {
  public:
   /// `size_m`: longest side of the object. Throws io::Error without OpenGL 3.3.
-  HandOverlay(const Model& model, const Camera& camera, double size_m = 0.09,
-              std::shared_ptr<Context> context = headless_context());
+  explicit HandOverlay(const Model& model, double size_m = 0.09,
+                       std::shared_ptr<Context> context = headless_context());
 
-  /// Draws the object into the frame that `result` was made from (8-bit BGR).
-  void draw(cv::Mat& frame_bgr, const HandTracker& tracker, const TrackResult& result) {
+  /// Draws the object into the frame that `result` was made from (8-bit BGR), seen by `camera`.
+  void draw(cv::Mat& frame_bgr, const Camera& camera, const HandTracker& tracker,
+            const TrackResult& result) {
     std::optional<Eigen::Isometry3d> T_camera_hand;
     if (result.state == State::tracking && result.pose) T_camera_hand = result.pose->T_camera_hand;
-    draw(frame_bgr, result.time_s, T_camera_hand, tracker.hand(), tracker.mask());
+    draw(frame_bgr, camera, result.time_s, T_camera_hand, tracker.hand(), tracker.mask());
   }
 
   /// The same from its parts. `T_camera_hand` empty: no hand, the object fades out.
-  void draw(cv::Mat& frame_bgr, double time_s,
+  void draw(cv::Mat& frame_bgr, const Camera& camera, double time_s,
             const std::optional<Eigen::Isometry3d>& T_camera_hand, const HandModel& hand,
             const HandMask& mask);
 
  private:
   Renderer renderer_;
-  Camera camera_;
   Instance instance_;
   Presence presence_;
   Eigen::Isometry3d T_hand_object_ = Eigen::Isometry3d::Identity();
