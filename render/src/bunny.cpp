@@ -91,9 +91,9 @@ Vector3f fur_colour(const Vector3f& p, const Vector3f& n) {
 /// The zero surface of `body_distance`: one vertex in every cell that it crosses (surface nets),
 /// drawn onto it along the gradient.
 Mesh body_mesh() {
-  constexpr float kCell = 0.03f;
+  constexpr float kCell = 0.042f;
   const Vector3f low(-0.75f, -0.48f, -0.06f);
-  const Eigen::Vector3i cells(50, 33, 63);
+  const Eigen::Vector3i cells(36, 25, 46);
   const auto index = [&](int x, int y, int z) { return (z * cells.y() + y) * cells.x() + x; };
   const auto corner = [&](int x, int y, int z) {
     return Vector3f(low + kCell * Vector3f(x, y, z));

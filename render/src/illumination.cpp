@@ -38,7 +38,7 @@ void Illumination::observe(const cv::Mat& frame_bgr) {
   cv::resize(frame_bgr, small, {32, 24}, 0, 0, cv::INTER_AREA);
   cv::cvtColor(small, small, cv::COLOR_BGR2RGB);
   small.convertTo(linear, CV_32F, 1 / 255.0);
-  cv::pow(linear, 2.2, linear);
+  linear = linear.mul(linear);  // gamma 2, as the shaders take it
   if (blurred_.empty())
     blurred_ = linear;
   else

@@ -241,8 +241,11 @@ struct Renderer::Impl {
       if (instance.opacity <= 0) continue;
       place(object, instance);
       for (const GpuMesh& mesh : models[instance.model].meshes) {
-        set(object["base_colour"], mesh.material.colour.cwiseProduct(instance.colour));
-        glUniform1f(object["roughness"], std::clamp(mesh.material.roughness, 0.08f, 1.0f));
+        const Vector3f colour = mesh.material.colour.cwiseProduct(instance.colour);
+        const float roughness = std::clamp(mesh.material.roughness, 0.18f, 1.0f);
+        set(object["base_colour"], colour.cwiseProduct(colour));
+        glUniform1f(object["roughness"], roughness);
+        glUniform1f(object["shine"], std::max(1.0f, 2 / std::pow(roughness, 4.0f) - 2));
         glUniform1f(object["metallic"], mesh.material.metallic);
         glUniform1i(object["textured"], mesh.texture.has_value());
         glActiveTexture(GL_TEXTURE0);

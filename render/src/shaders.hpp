@@ -66,7 +66,7 @@ out float open;
 void main() {
   p = (T_camera_object * vec4(size_m * position, 1.0)).xyz;
   n = mat3(T_camera_object) * normal;
-  albedo = colour;
+  albedo = colour * colour;
   st = uv;
   open = openness;
   gl_Position = project(p);
@@ -76,8 +76,9 @@ void main() {
 inline constexpr char kObjectFragment[] = R"(
 uniform sampler2D surface;
 uniform bool textured;
-uniform vec3 base_colour;  // sRGB
+uniform vec3 base_colour;  // linear
 uniform float roughness, metallic;
+uniform float shine;       // Blinn's exponent for that roughness
 uniform float opacity, glow;
 uniform sampler2D ambient, mirrored;
 uniform vec3 key, key_direction;
@@ -88,16 +89,15 @@ in vec2 st;
 in float open;
 out vec4 result;
 
-vec3 linear(vec3 c) { return pow(max(c, 0.0), vec3(2.2)); }
-
 /// The picture as a mirror ball: what a direction in the camera frame would see of it.
 vec2 ball(vec3 d) { return 0.5 + 0.5 * d.xy / sqrt(2.0 * (1.0 + abs(d.z))) * 1.2; }
 
 void main() {
-  vec4 base = vec4(linear(albedo) * linear(base_colour), 1.0);
+  // Gamma 2 for sRGB throughout: a square and a root are cheap in software.
+  vec4 base = vec4(albedo * base_colour, 1.0);
   if (textured) {
     vec4 t = texture(surface, st);
-    base *= vec4(linear(t.rgb), t.a);
+    base *= vec4(t.rgb * t.rgb, t.a);
     if (base.a < 0.5) discard;
   }
   vec3 view = normalize(-p);
@@ -112,20 +112,20 @@ void main() {
   vec3 sky = texture(ambient, ball(normal)).rgb * open;
   vec3 colour = diffuse * (0.55 * sky + 0.75 * key * lit);
 
-  float fresnel = pow(1.0 - max(dot(normal, view), 0.0), 5.0);
+  float grazing = 1.0 - max(dot(normal, view), 0.0);
+  float grazing2 = grazing * grazing;
+  float fresnel = grazing2 * grazing2 * grazing;
   vec3 h = normalize(view + key_direction);
-  float shine = 2.0 / max(pow(roughness, 4.0), 1e-3) - 2.0;
-  float lobe = (shine + 8.0) / 25.0 * pow(max(dot(normal, h), 0.0), max(shine, 1.0));
+  float lobe = (shine + 8.0) / 25.0 * pow(max(dot(normal, h), 0.0), shine);
   vec3 mirror = texture(mirrored, ball(reflect(-view, normal))).rgb;
   float gloss = (1.0 - roughness) * (1.0 - roughness);
   colour += (specular + (1.0 - specular) * fresnel * gloss) *
             (mirror * open * mix(0.4, 1.0, gloss) + 0.6 * key * min(lobe, 12.0) * max(n_l, 0.0));
 
-  float rim = pow(1.0 - max(dot(normal, view), 0.0), 2.5);
-  colour += glow * (0.25 * base.rgb + vec3(1.0, 0.75, 0.25) * 0.9 * rim);
+  colour += glow * (0.25 * base.rgb + vec3(1.0, 0.75, 0.25) * 0.9 * grazing2);
 
   float alpha = opacity * seen_past_hand(p);
-  result = vec4(pow(min(colour, 1.0), vec3(1.0 / 2.2)), 1.0) * alpha;
+  result = vec4(sqrt(min(colour, 1.0)), 1.0) * alpha;
 }
 )";
 

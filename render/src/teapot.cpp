@@ -91,7 +91,7 @@ Vertex evaluate(const Patch& p, float u, float v) {
 }
 
 void add_patch(const Patch& patch, bool outwards, Mesh& mesh) {
-  constexpr int kSteps = 9;
+  constexpr int kSteps = 8;
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   for (int i = 0; i <= kSteps; ++i)
     for (int j = 0; j <= kSteps; ++j) {
