@@ -137,39 +137,83 @@ struct MarkerWorld::Impl {
     return std::sqrt(sum / static_cast<double>(corners.size()));
   }
 
-  /// The world from all markers in view whose place is known; empty without one.
-  std::optional<Isometry3d> solve(const std::vector<View>& views, const Camera& camera) const {
+  using Views = std::vector<const View*>;
+
+  static double world_error_px(const View& view, const Isometry3d& T, const Camera& camera) {
+    return error_px(view, T * view.entry->T_world_marker.T, camera);
+  }
+
+  /// Those of `views` that a pose of the world explains to within `limit_px`.
+  static Views explained(const Views& views, const Isometry3d& T, double limit_px,
+                         const Camera& camera) {
+    Views good;
+    for (const View* view : views)
+      if (world_error_px(*view, T, camera) < limit_px) good.push_back(view);
+    return good;
+  }
+
+  static Isometry3d refined(const Isometry3d& T, const Views& views, const Camera& camera) {
     std::vector<cv::Point3d> points_m;
     std::vector<cv::Point2d> points_px;
-    std::vector<Isometry3d> candidates;
-    if (T_camera_world) candidates.push_back(*T_camera_world);
-    for (const View& view : views) {
-      const MeanPose& place = view.entry->T_world_marker;
-      if (place.count == 0 || view.entry->misplaced > 0) continue;
-      for (const cv::Point3d& c : corners_m(view.entry->marker.size_m)) {
-        const Eigen::Vector3d p = place.T * Eigen::Vector3d(c.x, c.y, c.z);
+    for (const View* view : views) {
+      for (const cv::Point3d& c : corners_m(view->entry->marker.size_m)) {
+        const Eigen::Vector3d p = view->entry->T_world_marker.T * Eigen::Vector3d(c.x, c.y, c.z);
         points_m.emplace_back(p.x(), p.y(), p.z());
       }
-      points_px.insert(points_px.end(), view.corners_px.begin(), view.corners_px.end());
-      for (const Isometry3d& T : view.T_camera_marker) candidates.push_back(T * place.T.inverse());
+      points_px.insert(points_px.end(), view->corners_px.begin(), view->corners_px.end());
     }
-    if (points_m.empty()) return std::nullopt;
-    // Every single marker leaves two answers; all of them together leave one.
     const Lens lens(camera);
+    cv::Mat R, r, t;
+    cv::eigen2cv(Eigen::Matrix3d(T.linear()), R);
+    cv::eigen2cv(Eigen::Vector3d(T.translation()), t);
+    cv::Rodrigues(R, r);
+    cv::solvePnPRefineLM(points_m, points_px, lens.K, lens.distortion, r, t);
+    return isometry(r, t);
+  }
+
+  /// Pixels that a leap of the world from one frame to the next counts as.
+  double leap_px(const Isometry3d& T) const {
+    if (!T_camera_world) return 0;
+    const double turn_rad =
+        Eigen::AngleAxisd(T_camera_world->linear().transpose() * T.linear()).angle();
+    return 3 * turn_rad + 20 * (T.translation() - T_camera_world->translation()).norm();
+  }
+
+  /// The world from all markers in view whose place is known; empty without one. Every single
+  /// marker leaves two answers, and some may have been moved: the answer that explains most of them
+  /// wins.
+  std::optional<Isometry3d> solve(const std::vector<View>& views, const Camera& camera) const {
+    Views known, trusted;
+    for (const View& view : views) {
+      if (view.entry->T_world_marker.count == 0) continue;
+      known.push_back(&view);
+      if (view.entry->misplaced == 0) trusted.push_back(&view);
+    }
+    if (!trusted.empty()) known = trusted;
+    std::vector<Isometry3d> candidates;
+    if (T_camera_world) candidates.push_back(*T_camera_world);
+    for (const View* view : known)
+      for (const Isometry3d& T : view->T_camera_marker)
+        candidates.push_back(T * view->entry->T_world_marker.T.inverse());
+
     std::optional<Isometry3d> best;
-    double best_error = std::numeric_limits<double>::infinity();
-    for (const Isometry3d& T : candidates) {
-      cv::Mat R, r, t;
-      cv::eigen2cv(Eigen::Matrix3d(T.linear()), R);
-      cv::eigen2cv(Eigen::Vector3d(T.translation()), t);
-      cv::Rodrigues(R, r);
-      cv::solvePnPRefineLM(points_m, points_px, lens.K, lens.distortion, r, t);
-      const Isometry3d refined = isometry(r, t);
-      double error = 0;
-      for (const View& view : views)
-        if (view.entry->T_world_marker.count > 0 && view.entry->misplaced == 0)
-          error += error_px(view, refined * view.entry->T_world_marker.T, camera);
-      if (error < best_error) best_error = error, best = refined;
+    std::size_t most = 0;
+    double least_px = 0;
+    for (Isometry3d T : candidates) {
+      Views good = explained(known, T, 4 * kMoved_px, camera);
+      if (good.empty()) continue;
+      T = refined(T, good, camera);
+      const std::size_t before = good.size();
+      good = explained(known, T, kMoved_px, camera);
+      if (good.empty()) continue;
+      if (good.size() != before) T = refined(T, good, camera);
+      double cost_px = leap_px(T);
+      for (const View* view : good)
+        cost_px += world_error_px(*view, T, camera) / static_cast<double>(good.size());
+      if (good.size() < most || (good.size() == most && cost_px >= least_px)) continue;
+      best = T;
+      most = good.size();
+      least_px = cost_px;
     }
     return best;
   }

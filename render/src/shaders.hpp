@@ -41,12 +41,13 @@ float seen_past_hand(vec3 p) {
   if (hand == 0) return 1.0;
   vec2 here = hand_here();
   if (hand == 1) return 1.0 - here.r;
-  // Height over the hand's surface, which rounds off towards the silhouette.
+  // Height over the hand's surface, which rounds off towards the silhouette. Seen from the other
+  // side (a pose held while the hand turns away), that surface is a finger's thickness deeper.
   float inside = 1.0 - here.g;
-  float surface_m = -finger_radius_m * (1.0 - sqrt(1.0 - inside * inside));
-  float above_m = dot(hand_normal, p) - hand_offset_m - surface_m;
-  float side = hand_offset_m < 0.0 ? 1.0 : -1.0;  // on which side of the plane the camera is
-  return 1.0 - here.r * smoothstep(0.0015, -0.0005, side * above_m);
+  float fall_m = finger_radius_m * (1.0 - sqrt(1.0 - inside * inside));
+  float z_m = dot(hand_normal, p) - hand_offset_m;
+  float above_m = fall_m + (hand_offset_m < 0.0 ? z_m : -z_m - 2.0 * finger_radius_m);
+  return 1.0 - here.r * smoothstep(0.0015, -0.0005, above_m);
 }
 )";
 
