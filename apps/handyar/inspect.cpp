@@ -59,10 +59,12 @@ int inspect(TrackingRun run, const std::string& scene_file, const std::string& e
   if (!events_file.empty()) log.emplace(events_file);
 
   run.annotated = false;
+  const bool pictures = run.show || !run.video_out.empty();
   run.overlay = [&](cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,
                     const Camera& camera, const TrackResult& result) {
     const auto hand = render::HandInView::of(tracker, result);
-    const auto event = view.draw(bgr, camera, result.time_s, hand);
+    const auto event = view.update(bgr, camera, result.time_s, hand);
+    if (pictures) view.draw(bgr, camera, hand);
     if (event && log) log->write(*event, frame, result.time_s, view.object().name);
   };
   Summary summary;

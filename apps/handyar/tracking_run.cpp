@@ -140,8 +140,8 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
     if (outputs.poses) outputs.poses->write(frame.index, result);
     if (outputs.pictures() || run.overlay) {
       frame.bgr.copyTo(picture);
-      if (run.overlay) run.overlay(picture, frame.index, tracker, camera, result);
       if (run.annotated) annotate(picture, tracker, camera, result);
+      if (run.overlay) run.overlay(picture, frame.index, tracker, camera, result);
       if (outputs.video) outputs.video->write(picture);
       if (outputs.window && !outputs.window->show(picture, until_due_s())) break;
     }

@@ -10,8 +10,8 @@
 
 namespace handyar::cli {
 
-/// What to draw on a frame before the annotation: an object on the hand, say. Called for every
-/// frame in turn, also when no picture is wanted.
+/// What to draw on a frame after the annotation: an object on the hand, which covers the lines on
+/// it. Called for every frame in turn, also when no picture is wanted.
 using Overlay = std::function<void(cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,
                                    const Camera& camera, const TrackResult& result)>;
 

@@ -2,6 +2,7 @@
 #include "illumination.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -11,6 +12,7 @@ namespace {
 constexpr double kNewFrameWeight = 0.12;  // the light of a room changes over about ten frames
 constexpr float kMeanAlbedo = 0.30f;      // a room sends back about a third of its light,
 constexpr float kLightAlbedo = 0.65f;     // its lightest tenth about two thirds
+constexpr float kSkinAlbedo = 0.38f;      // between the darkest skin and the lightest
 constexpr float kCast = 0.45f;            // share of the frame's colour cast that is the light's
 
 /// Light is coloured less than the things it falls on.
@@ -29,11 +31,27 @@ float lightest_tenth(const cv::Mat& rgb) {
   return *at;
 }
 
+/// Mean linear luminance under the mask; 0 where there is too little of it.
+float luminance_on(const HandMask& hand, const cv::Mat& frame_bgr) {
+  constexpr int kEvery = 4;
+  double sum = 0;
+  int count = 0;
+  for (int v = 0; v < hand.height; v += kEvery)
+    for (int u = 0; u < hand.width; u += kEvery) {
+      const cv::Point px(hand.x0_px + u * hand.step_px, hand.y0_px + v * hand.step_px);
+      if (!hand.data[v * hand.stride_bytes + u] || !px.inside({{}, frame_bgr.size()})) continue;
+      const cv::Vec3b& c = frame_bgr.at<cv::Vec3b>(px);
+      sum += 0.0722 * c[0] * c[0] + 0.7152 * c[1] * c[1] + 0.2126 * c[2] * c[2];
+      ++count;
+    }
+  return count > 50 ? static_cast<float>(sum / (count * 255.0 * 255.0)) : 0;
+}
+
 Eigen::Vector3f vec(const cv::Vec3f& v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-void Illumination::observe(const cv::Mat& frame_bgr) {
+void Illumination::observe(const cv::Mat& frame_bgr, const HandMask& hand) {
   cv::Mat small, linear;
   cv::resize(frame_bgr, small, {32, 24}, 0, 0, cv::INTER_AREA);
   cv::cvtColor(small, small, cv::COLOR_BGR2RGB);
@@ -44,13 +62,20 @@ void Illumination::observe(const cv::Mat& frame_bgr) {
   else
     cv::addWeighted(linear, kNewFrameWeight, blurred_, 1 - kNewFrameWeight, 0, blurred_);
 
+  const float on_hand = luminance_on(hand, frame_bgr);
+  if (on_hand > 0)
+    on_hand_ += (on_hand_ > 0 ? static_cast<float>(kNewFrameWeight) : 1.0f) * (on_hand - on_hand_);
+
   const cv::Scalar mean = cv::mean(blurred_);
   const Eigen::Vector3f all = light_of(Eigen::Vector3f(mean[0], mean[1], mean[2]));
   // A dark wall does not make the light dim: the lightest tenth counts as well as the mean. And
   // even a black room leaves the object visible, even a white one leaves it some shading.
   const float brightness = all.maxCoeff();
-  const float wanted =
-      std::clamp(0.5f * (brightness + lightest_tenth(blurred_) / kLightAlbedo), 0.25f, 1.2f);
+  float wanted = 0.5f * (brightness + lightest_tenth(blurred_) / kLightAlbedo);
+  // The hand says half of it; skin may be dark, so it says no more than that.
+  if (on_hand_ > 0)
+    wanted *= std::sqrt(std::clamp(on_hand_ / kSkinAlbedo / std::max(wanted, 0.05f), 0.2f, 2.5f));
+  wanted = std::clamp(wanted, 0.25f, 1.25f);
   const float gain = wanted / std::max(brightness, 1e-4f);
   key_ = gain * all;
 

@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
+#include "handyar/tracker.hpp"
+
 namespace handyar::render {
 
 /// The light in the room, guessed from the frame: an object drawn with it has the frame's
@@ -11,9 +13,10 @@ namespace handyar::render {
 /// frames.
 class Illumination {
  public:
-  /// Takes the next frame (8-bit BGR).
-  void observe(const cv::Mat& frame_bgr);
-  void reset() { blurred_.release(); }
+  /// Takes the next frame (8-bit BGR). The hand, when there is one, stands where the object does:
+  /// its brightness tells sun from shade.
+  void observe(const cv::Mat& frame_bgr, const HandMask& hand = {});
+  void reset() { *this = {}; }
 
   /// The frame at 32x24, linear light RGB floats: what a shiny surface mirrors.
   const cv::Mat& mirrored() const { return blurred_; }
@@ -28,6 +31,7 @@ class Illumination {
 
  private:
   cv::Mat blurred_, ambient_;
+  float on_hand_ = 0;  // luminance of the hand, linear; 0: not known
   Eigen::Vector3f key_ = Eigen::Vector3f::Ones();
 };
 

@@ -51,8 +51,9 @@ InspectionView::InspectionView(const Scene& scene, const InspectionConfig& confi
   distances_px_.assign(scene.objects.size(), kInfinity);
 }
 
-std::optional<InspectionEvent> InspectionView::draw(cv::Mat& frame_bgr, const Camera& camera,
-                                                    double time_s, const HandInView& hand) {
+std::optional<InspectionEvent> InspectionView::update(const cv::Mat& frame_bgr,
+                                                      const Camera& camera, double time_s,
+                                                      const HandInView& hand) {
   const double step_s = std::max(0.0, time_s - last_s_);
   last_s_ = time_s;
   world_.observe(frame_bgr, camera, time_s);
@@ -65,13 +66,15 @@ std::optional<InspectionEvent> InspectionView::draw(cv::Mat& frame_bgr, const Ca
   if (event) last_object_ = inspection_.object();
   glow_ = towards(glow_, inspection_.phase() == InspectionPhase::selected ? 1 : 0, step_s / 0.15);
   arrange(time_s);
+  return event;
+}
 
+void InspectionView::draw(cv::Mat& frame_bgr, const Camera& camera, const HandInView& hand) {
   HandOccluder occluder;
   occluder.mask = hand.mask;
   // An object that is on the hand stays in front of the palm when the fingertips are lost.
   if (hand.T_camera_hand || inspection_.weight() > 0) occluder.T_camera_hand = T_camera_hand_;
   renderer_.draw(frame_bgr, camera, instances_, occluder);
-  return event;
 }
 
 void InspectionView::place(double step_s) {

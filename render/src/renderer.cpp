@@ -318,7 +318,7 @@ void Renderer::draw(cv::Mat& frame_bgr, const Camera& camera, std::span<const In
                     const HandOccluder& hand) {
   CV_Assert(frame_bgr.type() == CV_8UC3);
   Impl& im = *impl_;
-  im.light.observe(frame_bgr);
+  im.light.observe(frame_bgr, hand.mask);
   const Camera seen = camera.scaled_to(frame_bgr.cols, frame_bgr.rows);
   const cv::Rect region = region_of(seen, instances, im.models);
   if (region.empty()) return;

@@ -40,9 +40,12 @@ class InspectionView {
   InspectionView(const Scene& scene, const InspectionConfig& config = {},
                  std::shared_ptr<Context> context = headless_context());
 
-  /// Draws into a frame (8-bit BGR) seen by a camera of its size; says what happened in it.
-  std::optional<InspectionEvent> draw(cv::Mat& frame_bgr, const Camera& camera, double time_s,
-                                      const HandInView& hand);
+  /// Takes the next frame (8-bit BGR), seen by a camera of its size; says what happened in it.
+  std::optional<InspectionEvent> update(const cv::Mat& frame_bgr, const Camera& camera,
+                                        double time_s, const HandInView& hand);
+
+  /// Draws the objects as they are since the last update into that frame.
+  void draw(cv::Mat& frame_bgr, const Camera& camera, const HandInView& hand);
 
   const Inspection& inspection() const noexcept { return inspection_; }
 
