@@ -12,7 +12,7 @@ namespace {
 constexpr double kNewFrameWeight = 0.12;  // the light of a room changes over about ten frames
 constexpr float kMeanAlbedo = 0.30f;      // a room sends back about a third of its light,
 constexpr float kLightAlbedo = 0.65f;     // its lightest tenth about two thirds
-constexpr float kSkinAlbedo = 0.38f;      // between the darkest skin and the lightest
+constexpr float kSkinAlbedo = 0.33f;      // between the darkest skin and the lightest
 constexpr float kCast = 0.45f;            // share of the frame's colour cast that is the light's
 
 /// Light is coloured less than the things it falls on.
@@ -74,7 +74,7 @@ void Illumination::observe(const cv::Mat& frame_bgr, const HandMask& hand) {
   float wanted = 0.5f * (brightness + lightest_tenth(blurred_) / kLightAlbedo);
   // The hand says half of it; skin may be dark, so it says no more than that.
   if (on_hand_ > 0)
-    wanted *= std::sqrt(std::clamp(on_hand_ / kSkinAlbedo / std::max(wanted, 0.05f), 0.2f, 2.5f));
+    wanted *= std::sqrt(std::clamp(on_hand_ / kSkinAlbedo / std::max(wanted, 0.05f), 0.4f, 2.5f));
   wanted = std::clamp(wanted, 0.25f, 1.25f);
   const float gain = wanted / std::max(brightness, 1e-4f);
   key_ = gain * all;
