@@ -17,7 +17,7 @@
 #include "handyar/io/hand_file.hpp"
 #include "handyar/io/pose_csv.hpp"
 #include "handyar/io/video_writer.hpp"
-#include "window.hpp"
+#include "handyar/render/window.hpp"
 
 namespace handyar::cli {
 namespace {
@@ -95,14 +95,14 @@ class Progress {
 struct Outputs {
   std::optional<io::PoseCsvWriter> poses;
   std::optional<io::VideoWriter> video;
-  std::optional<Window> window;
+  std::optional<render::Window> window;
 
   Outputs(const TrackingRun& run, const io::SourceInfo& input) {
     if (!run.poses_out.empty()) poses.emplace(run.poses_out, run.timings);
     if (!run.video_out.empty()) {
       video.emplace(run.video_out, input.width_px, input.height_px, input.fps);
     }
-    if (run.show) window.emplace("handyar");
+    if (run.show) window.emplace(input.width_px, input.height_px, "handyar");
   }
   bool pictures() const { return video || window; }
   void finish() {

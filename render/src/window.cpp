@@ -29,15 +29,17 @@ void main() { colour = vec4(texture(picture, uv).rgb, 1.0); })"};
 };
 
 Window::Window(int width_px, int height_px, const std::string& title) {
-  if (!glfwInit()) throw io::Error("window", "there is no screen to open one on");
+  if (!glfwInit()) throw io::Error("--show", "there is no display to open a window on");
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   window_ = glfwCreateWindow(width_px, height_px, title.c_str(), nullptr, nullptr);
   if (!window_) {
     glfwTerminate();
-    throw io::Error("window", "this screen offers no OpenGL 3.3");
+    throw io::Error("--show", "this display offers no OpenGL 3.3");
   }
+  glfwSetInputMode(window_, GLFW_STICKY_KEYS,
+                   GLFW_TRUE);  // a short press between two frames counts
   make_current();
   glfwSwapInterval(0);  // the camera sets the pace
   painter_ = std::make_unique<Painter>();
@@ -52,7 +54,7 @@ Window::~Window() {
 
 void Window::make_current() { glfwMakeContextCurrent(window_); }
 
-bool Window::show(const cv::Mat& picture_bgr) {
+bool Window::show(const cv::Mat& picture_bgr, double wait_s) {
   make_current();
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
@@ -81,6 +83,8 @@ bool Window::show(const cv::Mat& picture_bgr) {
   glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
   glfwSwapBuffers(window_);
   glfwPollEvents();
+  for (const double until_s = glfwGetTime() + wait_s; glfwGetTime() < until_s;)
+    glfwWaitEventsTimeout(until_s - glfwGetTime());
   return !glfwWindowShouldClose(window_) && glfwGetKey(window_, GLFW_KEY_ESCAPE) != GLFW_PRESS &&
          glfwGetKey(window_, GLFW_KEY_Q) != GLFW_PRESS;
 }

@@ -10,7 +10,7 @@ struct GLFWwindow;
 
 namespace handyar::render {
 
-/// A window on the screen that shows pictures; its context can draw overlays as well.
+/// A window on the screen that shows pictures; its context can draw overlays as well. One at a time.
 class Window final : public Context {
  public:
   /// Throws io::Error when there is no screen.
@@ -19,9 +19,9 @@ class Window final : public Context {
 
   void make_current() override;
 
-  /// Shows an 8-bit BGR picture, scaled to the window with its aspect kept. False once the person
-  /// has closed the window or pressed Escape or Q.
-  bool show(const cv::Mat& picture_bgr);
+  /// Shows an 8-bit BGR picture for at least about `wait_s`, scaled to the window with its aspect
+  /// kept. False once the person has closed the window or pressed Escape or Q.
+  bool show(const cv::Mat& picture_bgr, double wait_s = 0);
 
  private:
   struct Painter;
