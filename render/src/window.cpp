@@ -33,6 +33,8 @@ Window::Window(int width_px, int height_px, const std::string& title) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  // EGL like the headless context: a thread cannot go from one of EGL to one of GLX.
+  glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
   window_ = glfwCreateWindow(width_px, height_px, title.c_str(), nullptr, nullptr);
   if (!window_) {
     glfwTerminate();
