@@ -278,6 +278,12 @@ TEST_F(OverlayTest, AfterAFlipItLeavesOneFaceBeforeItComesOnTheOther) {
   EXPECT_GT(cv::norm(last, kSkin), 40);
 }
 
+TEST_F(OverlayTest, DoesNotStandBesideTheHand) {
+  hand_covers({20, 140, 200, 300});  // the palm is at column 320
+  for (int i = 0; i < 20; ++i)
+    EXPECT_EQ(step(i / 30.0, hand_at(0.45), Layout::thumb_right), kRoom) << "frame " << i;
+}
+
 TEST_F(OverlayTest, StandsOnThePalmPoint) {
   HandOverlay dot(cube(), 0.004);
   for (double tilt : {-0.9, 0.0, 0.9}) {

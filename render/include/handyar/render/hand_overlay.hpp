@@ -38,7 +38,8 @@ class HandOverlay {
     draw(frame_bgr, camera, result.time_s, T_camera_hand, tracker.hand(), tracker.mask());
   }
 
-  /// The same from its parts. `T_camera_hand` empty: no hand, the object fades out.
+  /// The same from its parts. `T_camera_hand` empty, or its palm beside the mask: no hand, the object
+  /// fades out.
   void draw(cv::Mat& frame_bgr, const Camera& camera, double time_s,
             const std::optional<Eigen::Isometry3d>& T_camera_hand, const HandModel& hand,
             const HandMask& mask);

@@ -29,9 +29,6 @@ struct HandInView {
   }
 };
 
-/// Pixels from the hand to a point of the frame, 0 on the hand; infinite without a hand.
-double distance_px(const HandMask& mask, const Eigen::Vector2d& px);
-
 /// Select-and-inspect before the camera (paper 3.3): finds the scene's markers, draws its objects
 /// where they stand or on the hand, and lets the hand fetch them.
 class InspectionView {
