@@ -21,7 +21,7 @@ constexpr const char* kExamples =
 // The options as they are typed, where that is not how the tracker has them.
 struct Choices {
   std::string processing = "full", fingertips = "ellipse";
-  bool no_filter = false, no_timings = false;
+  bool no_filter = false, no_timings = false, no_annotation = false;
   std::string model;
   double model_mm = 90;
 };
@@ -55,6 +55,8 @@ Command add_track(CLI::App& app) {
   options->add_option("--fingertips", choices->fingertips, "How fingertips are measured")
       ->check(CLI::IsMember({"curvature", "ellipse"}))
       ->capture_default_str();
+  options->add_flag("--no-annotation", choices->no_annotation,
+                    "Leave contour, fingertips and axes off the pictures");
   options->add_flag("--no-filter", choices->no_filter, "Give the raw pose as the filtered one");
   options->add_flag("--no-timings", choices->no_timings,
                     "Leave the milliseconds out: the same input then gives the same file");
@@ -66,6 +68,7 @@ Command add_track(CLI::App& app) {
                                                 : FingertipMethod::ellipse;
             run->config.filter.enabled = !choices->no_filter;
             run->timings = !choices->no_timings;
+            run->annotated = !choices->no_annotation;
             if (!choices->model.empty()) {
               run->overlay = object_on_hand(choices->model, choices->model_mm / 1000);
             }
