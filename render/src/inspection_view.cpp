@@ -15,6 +15,21 @@ constexpr double kFade_s = 0.3;
 constexpr double kCatchUp_s = 0.15;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// On its way an object rises over the hand plane early and comes down on the palm, or leaves it,
+/// from above: straight from behind the hand it would come through it.
+Eigen::Isometry3d on_the_way(const Eigen::Isometry3d& T_camera_place,
+                             const Eigen::Isometry3d& T_camera_stand, double weight) {
+  constexpr double kLift_m = 0.05;
+  constexpr double kRisen = 0.4;  // weight at which it is over the plane
+  Eigen::Isometry3d T = blend(T_camera_place, T_camera_stand, weight);
+  const Eigen::Vector3d up = T_camera_stand.linear().col(2);
+  const double height_m = up.dot(T_camera_place.translation() - T_camera_stand.translation());
+  const double ahead = std::min(1.0, weight / kRisen);
+  const double risen = ahead * ahead * (3 - 2 * ahead);
+  T.translation() += (height_m * (weight - risen) + 4 * weight * (1 - weight) * kLift_m) * up;
+  return T;
+}
+
 double towards(double value, double target, double step) {
   return value + std::clamp(target - value, -step, step);
 }
@@ -115,8 +130,9 @@ void InspectionView::arrange(double time_s) {
     instance.ground = weight > 0.5 ? Ground::hand : Ground::world;
     instance.shadow =
         static_cast<float>(std::max(0.0, weight > 0.5 ? 4 * weight - 3 : 1 - 4 * weight));
-    instance.T_camera_object =
-        p.T_camera_object ? blend(*p.T_camera_object, T_camera_stand_, weight) : T_camera_stand_;
+    instance.T_camera_object = p.T_camera_object
+                                   ? on_the_way(*p.T_camera_object, T_camera_stand_, weight)
+                                   : T_camera_stand_;
     instance.opacity = std::max(instance.opacity, static_cast<float>(weight));
   }
 }
