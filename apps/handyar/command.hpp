@@ -20,6 +20,7 @@ struct Command {
 // One line here and one in main.cpp for each subcommand; each has its own file.
 Command add_demo(CLI::App& app);
 Command add_track(CLI::App& app);
+Command add_inspect(CLI::App& app);
 Command add_cameras(CLI::App& app);
 Command add_evaluate(CLI::App& app);
 

@@ -6,6 +6,7 @@
 #include "command.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/sample.hpp"
+#include "object_on_hand.hpp"
 #include "tracking_run.hpp"
 
 namespace fs = std::filesystem;
@@ -24,7 +25,7 @@ int demo(const std::string& folder) {
   run.hand_file = io::data_file("sample/hand.json");
   run.poses_out = (fs::path(folder) / "poses.csv").string();
   run.video_out = (fs::path(folder) / "annotated.mp4").string();
-  // run.overlay: the object that stands on the hand
+  run.overlay = object_on_hand("teapot", 0.09);
 
   const Summary summary = track(run);
   std::cout << "the shipped clip: " << describe(summary) << "\n  annotated video  " << run.video_out

@@ -38,6 +38,7 @@ int run(int argc, char** argv) {
   const Command commands[] = {
       add_demo(app),
       add_track(app),
+      add_inspect(app),
       add_cameras(app),
       add_evaluate(app),
   };

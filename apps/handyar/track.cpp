@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "command.hpp"
+#include "object_on_hand.hpp"
 #include "tracking_run.hpp"
 
 namespace handyar::cli {
@@ -14,13 +15,15 @@ constexpr const char* kExamples =
     "Examples:\n"
     "  handyar track 0 --show\n"
     "  handyar track hand.mp4 --camera camera.yml --hand hand.json --poses poses.csv\n"
-    "  handyar track sample --video annotated.mp4\n\n"
+    "  handyar track sample --video annotated.mp4 --model bunny\n\n"
     "Ctrl-C finishes the files; the exit code is then 130 for a file, 0 for a live camera.";
 
 // The options as they are typed, where that is not how the tracker has them.
 struct Choices {
   std::string processing = "full", fingertips = "ellipse";
-  bool no_filter = false, no_timings = false;
+  bool no_filter = false, no_timings = false, no_annotation = false;
+  std::string model;
+  double model_mm = 90;
 };
 
 }  // namespace
@@ -38,6 +41,13 @@ Command add_track(CLI::App& app) {
       ->type_name("FILE");
   options->add_option("--video", run->video_out, "Write the annotated video (.mp4, .mkv, .avi)")
       ->type_name("FILE");
+  options
+      ->add_option("--model", choices->model,
+                   "Stand an object on the hand: teapot, bunny, or a file (OBJ, PLY, glTF)")
+      ->type_name("MODEL");
+  options->add_option("--model-mm", choices->model_mm, "The object's longest side")
+      ->check(CLI::Range(1.0, 10000.0))
+      ->capture_default_str();
   options->add_flag("--show", run->show, "Show it in a window; q or Esc ends");
   options->add_option("--processing", choices->processing, "Work at full or half the input's size")
       ->check(CLI::IsMember({"full", "half"}))
@@ -45,6 +55,8 @@ Command add_track(CLI::App& app) {
   options->add_option("--fingertips", choices->fingertips, "How fingertips are measured")
       ->check(CLI::IsMember({"curvature", "ellipse"}))
       ->capture_default_str();
+  options->add_flag("--no-annotation", choices->no_annotation,
+                    "Leave contour, fingertips and axes off the pictures");
   options->add_flag("--no-filter", choices->no_filter, "Give the raw pose as the filtered one");
   options->add_flag("--no-timings", choices->no_timings,
                     "Leave the milliseconds out: the same input then gives the same file");
@@ -56,6 +68,10 @@ Command add_track(CLI::App& app) {
                                                 : FingertipMethod::ellipse;
             run->config.filter.enabled = !choices->no_filter;
             run->timings = !choices->no_timings;
+            run->annotated = !choices->no_annotation;
+            if (!choices->model.empty()) {
+              run->overlay = object_on_hand(choices->model, choices->model_mm / 1000);
+            }
             const Summary summary = track(*run);
             std::cout << describe(summary) << '\n';
             return exit_code(summary);

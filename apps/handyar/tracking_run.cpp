@@ -17,7 +17,7 @@
 #include "handyar/io/hand_file.hpp"
 #include "handyar/io/pose_csv.hpp"
 #include "handyar/io/video_writer.hpp"
-#include "window.hpp"
+#include "handyar/render/window.hpp"
 
 namespace handyar::cli {
 namespace {
@@ -95,14 +95,14 @@ class Progress {
 struct Outputs {
   std::optional<io::PoseCsvWriter> poses;
   std::optional<io::VideoWriter> video;
-  std::optional<Window> window;
+  std::optional<render::Window> window;
 
   Outputs(const TrackingRun& run, const io::SourceInfo& input) {
     if (!run.poses_out.empty()) poses.emplace(run.poses_out, run.timings);
     if (!run.video_out.empty()) {
       video.emplace(run.video_out, input.width_px, input.height_px, input.fps);
     }
-    if (run.show) window.emplace("handyar");
+    if (run.show) window.emplace(input.width_px, input.height_px, "handyar");
   }
   bool pictures() const { return video || window; }
   void finish() {
@@ -138,10 +138,10 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
     summary.tracked += result.state == State::tracking;
     if (run.timings) times_ms.push_back(result.times.total_ms);
     if (outputs.poses) outputs.poses->write(frame.index, result);
-    if (outputs.pictures()) {
+    if (outputs.pictures() || run.overlay) {
       frame.bgr.copyTo(picture);
-      if (run.overlay) run.overlay(picture, tracker, camera, result);
-      annotate(picture, tracker, camera, result);
+      if (run.annotated) annotate(picture, tracker, camera, result);
+      if (run.overlay) run.overlay(picture, frame.index, tracker, camera, result);
       if (outputs.video) outputs.video->write(picture);
       if (outputs.window && !outputs.window->show(picture, until_due_s())) break;
     }

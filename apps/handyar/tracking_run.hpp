@@ -10,9 +10,10 @@
 
 namespace handyar::cli {
 
-/// What to draw on a frame before the annotation: an object on the hand, say.
-using Overlay = std::function<void(cv::Mat& bgr, const HandTracker& tracker, const Camera& camera,
-                                   const TrackResult& result)>;
+/// What to draw on a frame after the annotation: an object on the hand, which covers the lines on
+/// it. Called for every frame in turn, also when no picture is wanted.
+using Overlay = std::function<void(cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,
+                                   const Camera& camera, const TrackResult& result)>;
 
 /// One run of the tracker over an input; an empty name: not wanted.
 struct TrackingRun {
@@ -23,6 +24,7 @@ struct TrackingRun {
   bool timings = true;
   Config config;
   Overlay overlay;
+  bool annotated = true;  ///< contour, fingertips and axes on the pictures
 };
 
 struct Summary {

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "command.hpp"
+#include "handyar/io/error.hpp"
+#include "handyar/io/pending_file.hpp"
+#include "handyar/render/inspection_view.hpp"
+#include "tracking_run.hpp"
+
+namespace handyar::cli {
+namespace {
+
+constexpr const char* kExamples =
+    "Hold your hand near an object until it glows, stretch your fingers, and it comes over; fold\n"
+    "them and it goes back.\n\n"
+    "Examples:\n"
+    "  handyar inspect 0 --scene scene.json --camera camera.yml --hand hand.json --show\n"
+    "  handyar inspect desk.mp4 --scene scene.json --video out.mp4 --events events.jsonl";
+
+/// One line of JSON for everything that happens; the file takes its name on finish().
+class EventLog {
+ public:
+  explicit EventLog(const std::string& path) : file_(path), stream_(file_.path()) { check(); }
+
+  void write(render::InspectionEvent event, std::int64_t frame, double time_s,
+             const std::string& object) {
+    const nlohmann::ordered_json line = {
+        {"event", render::name(event)}, {"frame", frame}, {"time_s", time_s}, {"object", object}};
+    // A name that is not UTF-8 is no reason to stop.
+    stream_ << line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    stream_.flush();
+    check();
+  }
+
+  void finish() {
+    stream_.close();
+    check();
+    file_.commit();
+  }
+
+ private:
+  void check() const {
+    if (!stream_) throw io::Error(file_.target(), "cannot be written");
+  }
+
+  io::PendingFile file_;
+  std::ofstream stream_;
+};
+
+int inspect(TrackingRun run, const std::string& scene_file, const std::string& events_file) {
+  if (!events_file.empty() && (events_file == scene_file || events_file == run.video_out))
+    throw WrongUsage(events_file + " is named twice");
+  render::InspectionView view(render::read_scene(scene_file));
+  std::optional<EventLog> log;
+  if (!events_file.empty()) log.emplace(events_file);
+
+  run.annotated = false;
+  const bool pictures = run.show || !run.video_out.empty();
+  run.overlay = [&](cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,
+                    const Camera& camera, const TrackResult& result) {
+    const auto hand = render::HandInView::of(tracker, result);
+    const auto event = view.update(bgr, camera, result.time_s, hand);
+    if (pictures) view.draw(bgr, camera, hand);
+    if (event && log) log->write(*event, frame, result.time_s, view.object().name);
+  };
+  Summary summary;
+  try {
+    summary = track(run);
+  } catch (const io::Error&) {
+    if (log) log->finish();
+    throw;
+  }
+  if (log) log->finish();
+  std::cout << describe(summary) << '\n';
+  return exit_code(summary);
+}
+
+}  // namespace
+
+Command add_inspect(CLI::App& app) {
+  CLI::App* options = app.add_subcommand(
+      "inspect", "Take objects from their markers with the hand and look at them from all sides");
+  const auto run = std::make_shared<TrackingRun>();
+  const auto scene = std::make_shared<std::string>();
+  const auto events = std::make_shared<std::string>();
+  options->add_option("INPUT", run->input, "A video file, pictures, a camera, or sample")
+      ->required();
+  options->add_option("--scene", *scene, "Scene file: objects and their markers (JSON)")
+      ->required();
+  options->add_option("--camera", run->camera_file, "Camera file (YAML); else 60 degrees assumed")
+      ->type_name("FILE");
+  options->add_option("--hand", run->hand_file, "Hand file (JSON); else the average adult hand")
+      ->type_name("FILE");
+  options->add_option("--video", run->video_out, "Write the video (.mp4, .mkv, .avi)")
+      ->type_name("FILE");
+  options->add_option("--events", *events, "Write what happens, a line of JSON each")
+      ->type_name("FILE");
+  options->add_flag("--show", run->show, "Show it in a window; q or Esc ends");
+  options->footer(kExamples);
+  return {options, [run, scene, events] { return inspect(*run, *scene, *events); }};
+}
+
+}  // namespace handyar::cli

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "handyar/render/presence.hpp"
+#include "handyar/render/renderer.hpp"
+#include "handyar/tracker.hpp"
+
+namespace handyar::render {
+
+/// Where an object stands: the middle of the palm (or of the back of the hand), in the hand frame.
+/// The hand frame's origin lies at the height of the thumb tip, where the fingers begin; from there
+/// the palm reaches towards the wrist about as far as the middle finger reaches up, and its middle
+/// is 0.3 of the middle fingertip's y below the origin.
+Eigen::Vector3d palm_centre_m(const HandModel& hand);
+
+/// The frame of an object that stands on the hand: origin at palm_centre_m, +z out of the visible
+/// face, +x (which models look along) towards the wrist, to meet the eye of who holds the hand.
+Eigen::Isometry3d T_hand_object(const HandModel& hand);
+
+/// One object standing on the tracked hand: for `track --model` and the demo.
+///
+///     HandOverlay overlay(find_model("bunny"));
+///     overlay.draw(frame_bgr, camera, tracker, tracker.process(view, time_s));
+class HandOverlay {
+ public:
+  /// `size_m`: longest side of the object. Throws io::Error without OpenGL 3.3.
+  explicit HandOverlay(const Model& model, double size_m = 0.09,
+                       std::shared_ptr<Context> context = headless_context());
+
+  /// Draws the object into the frame that `result` was made from (8-bit BGR), seen by `camera`.
+  void draw(cv::Mat& frame_bgr, const Camera& camera, const HandTracker& tracker,
+            const TrackResult& result) {
+    std::optional<Eigen::Isometry3d> T_camera_hand;
+    if (result.state == State::tracking && result.pose) T_camera_hand = result.pose->T_camera_hand;
+    draw(frame_bgr, camera, result.time_s, T_camera_hand, tracker.hand(), tracker.mask());
+  }
+
+  /// The same from its parts. `T_camera_hand` empty, or its palm beside the mask: no hand, the object
+  /// fades out.
+  void draw(cv::Mat& frame_bgr, const Camera& camera, double time_s,
+            const std::optional<Eigen::Isometry3d>& T_camera_hand, const HandModel& hand,
+            const HandMask& mask);
+
+ private:
+  Renderer renderer_;
+  Instance instance_;
+  Presence presence_;
+  Eigen::Isometry3d T_hand_object_ = Eigen::Isometry3d::Identity();
+};
+
+}  // namespace handyar::render

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/render/hand_overlay.hpp"
+
+#include "hand_distance.hpp"
+
+namespace handyar::render {
+
+Eigen::Vector3d palm_centre_m(const HandModel& hand) {
+  constexpr int kMiddle = static_cast<int>(Finger::middle);
+  return {0, -0.3 * hand.tips_m(1, kMiddle), 0};
+}
+
+Eigen::Isometry3d T_hand_object(const HandModel& hand) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = palm_centre_m(hand);
+  T.linear() = Eigen::AngleAxisd(-M_PI_2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return T;
+}
+
+namespace {
+
+/// A pose whose palm lies beside the hand in the picture is wrong: nothing stands on it.
+bool on_hand(const Eigen::Vector3d& p_camera, const HandMask& mask, const Camera& camera) {
+  constexpr double kBeside = 0.02;  // of the picture's width: masks have holes
+  if (mask.width == 0) return true;
+  if (p_camera.z() <= 0) return false;
+  return distance_px(mask, camera.project(p_camera)) <= kBeside * camera.width_px;
+}
+
+}  // namespace
+
+HandOverlay::HandOverlay(const Model& model, double size_m, std::shared_ptr<Context> context)
+    : renderer_(std::move(context)) {
+  instance_.model = renderer_.add(model);
+  instance_.size_m = size_m;
+}
+
+void HandOverlay::draw(cv::Mat& frame_bgr, const Camera& camera, double time_s,
+                       const std::optional<Eigen::Isometry3d>& T_camera_hand, const HandModel& hand,
+                       const HandMask& mask) {
+  const Camera seen_by = camera.scaled_to(frame_bgr.cols, frame_bgr.rows);
+  const bool here = T_camera_hand && on_hand(*T_camera_hand * palm_centre_m(hand), mask, seen_by);
+  presence_.update(time_s, here ? T_camera_hand : std::nullopt,
+                   here ? std::optional(hand.layout) : std::nullopt);
+  const Presence::Sighting seen = presence_.sighting();
+  if (here) T_hand_object_ = T_hand_object(hand);
+  instance_.opacity = seen.opacity;
+  instance_.T_camera_object = seen.T_camera_hand * T_hand_object_;
+  HandOccluder occluder{mask, seen.T_camera_hand, 0.008};
+  renderer_.draw(frame_bgr, camera, {&instance_, 1}, occluder);
+}
+
+}  // namespace handyar::render

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include <assimp/GltfMaterial.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <assimp/Importer.hpp>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "handyar/io/error.hpp"
+#include "handyar/render/model.hpp"
+
+namespace handyar::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& fault) {
+  throw io::Error(path.string(), fault);
+}
+
+std::string first_line(std::string text) { return text.substr(0, text.find_first_of("\r\n")); }
+
+cv::Mat to_rgba(const cv::Mat& decoded) {
+  cv::Mat rgba;
+  switch (decoded.channels()) {
+    case 1:
+      cv::cvtColor(decoded, rgba, cv::COLOR_GRAY2RGBA);
+      break;
+    case 3:
+      cv::cvtColor(decoded, rgba, cv::COLOR_BGR2RGBA);
+      break;
+    default:
+      cv::cvtColor(decoded, rgba, cv::COLOR_BGRA2RGBA);
+  }
+  return rgba;
+}
+
+cv::Mat read_texture(const aiScene& scene, const aiMaterial& material, const fs::path& model) {
+  aiString name;
+  if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &name) != aiReturn_SUCCESS &&
+      material.GetTexture(aiTextureType_DIFFUSE, 0, &name) != aiReturn_SUCCESS)
+    return {};
+  cv::Mat image;
+  if (const aiTexture* embedded = scene.GetEmbeddedTexture(name.C_Str())) {
+    if (embedded->mHeight == 0)  // a compressed file of mWidth bytes
+      image = cv::imdecode(cv::Mat(1, static_cast<int>(embedded->mWidth), CV_8U, embedded->pcData),
+                           cv::IMREAD_UNCHANGED);
+    else
+      image = cv::Mat(static_cast<int>(embedded->mHeight), static_cast<int>(embedded->mWidth),
+                      CV_8UC4, embedded->pcData);
+    if (image.empty()) fail(model, "its embedded texture cannot be read");
+  } else {
+    const fs::path file = model.parent_path() / name.C_Str();
+    image = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+    if (image.empty()) fail(model, "its texture " + file.string() + " cannot be read");
+  }
+  if (image.depth() != CV_8U) image.convertTo(image, CV_8U, 1.0 / 257);
+  return to_rgba(image);
+}
+
+Material read_material(const aiScene& scene, const aiMaterial& in, const fs::path& model) {
+  Material out;
+  aiColor4D colour;
+  if (in.Get(AI_MATKEY_BASE_COLOR, colour) == aiReturn_SUCCESS)
+    // glTF states linear light; everything here is sRGB.
+    out.colour = Eigen::Vector3f(colour.r, colour.g, colour.b).array().max(0).pow(1 / 2.2f);
+  else if (in.Get(AI_MATKEY_COLOR_DIFFUSE, colour) == aiReturn_SUCCESS)
+    out.colour = {colour.r, colour.g, colour.b};
+  float shininess = 0;
+  if (in.Get(AI_MATKEY_ROUGHNESS_FACTOR, out.roughness) != aiReturn_SUCCESS &&
+      in.Get(AI_MATKEY_SHININESS, shininess) == aiReturn_SUCCESS && shininess > 0)
+    out.roughness = std::sqrt(2 / (shininess + 2));
+  in.Get(AI_MATKEY_METALLIC_FACTOR, out.metallic);
+  out.texture = read_texture(scene, in, model);
+  return out;
+}
+
+Mesh read_mesh(const aiMesh& in) {
+  Mesh out;
+  // Files have +y up and +z to the front; here these are +z and +x.
+  const auto turned = [](const aiVector3D& v) { return Eigen::Vector3f(v.z, v.x, v.y); };
+  for (unsigned i = 0; i < in.mNumVertices; ++i) {
+    Vertex v{turned(in.mVertices[i]), turned(in.mNormals[i])};
+    if (in.HasVertexColors(0))
+      v.colour = {in.mColors[0][i].r, in.mColors[0][i].g, in.mColors[0][i].b};
+    if (in.HasTextureCoords(0)) v.uv = {in.mTextureCoords[0][i].x, in.mTextureCoords[0][i].y};
+    out.vertices.push_back(v);
+  }
+  for (unsigned i = 0; i < in.mNumFaces; ++i) {
+    const aiFace& face = in.mFaces[i];
+    if (face.mNumIndices == 3)
+      out.indices.insert(out.indices.end(), face.mIndices, face.mIndices + 3);
+  }
+  return out;
+}
+
+}  // namespace
+
+Model load_model(const fs::path& path) {
+  if (!std::ifstream(path)) fail(path, "no such model (a file, or one of: teapot, bunny)");
+  Assimp::Importer importer;
+  // Points and lines have no surface: they are dropped.
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
+                              aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  const aiScene* scene =
+      importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices |
+                                           aiProcess_SortByPType | aiProcess_GenSmoothNormals |
+                                           aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs |
+                                           aiProcess_FindDegenerates);
+  if (!scene) fail(path, "cannot be read as a model: " + first_line(importer.GetErrorString()));
+  Model model;
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
+    Mesh mesh = read_mesh(*scene->mMeshes[i]);
+    if (mesh.indices.empty()) continue;
+    mesh.material =
+        read_material(*scene, *scene->mMaterials[scene->mMeshes[i]->mMaterialIndex], path);
+    model.meshes.push_back(std::move(mesh));
+  }
+  const Eigen::AlignedBox3f box = model.bounds();
+  if (model.meshes.empty() || !(box.sizes().maxCoeff() > 0) || !box.sizes().allFinite())
+    fail(path, "holds no surface to draw");
+  return model;
+}
+
+}  // namespace handyar::render

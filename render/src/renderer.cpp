@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/render/renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "bake.hpp"
+#include "gl.hpp"
+#include "illumination.hpp"
+#include "matte.hpp"
+#include "shaders.hpp"
+
+namespace handyar::render {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr int kSamples = 4;
+/// Towards the lamp, in the camera frame: above, a little to the left, behind the camera.
+const Vector3f kKeyDirection = Vector3f(-0.35f, -0.75f, -0.56f).normalized();
+
+void set(GLint location, const Vector3f& v) { glUniform3fv(location, 1, v.data()); }
+
+/// A texture without mipmaps at `unit`, clamped at its edges, linearly read.
+void upload(GLuint texture, int unit, GLint internal, int width, int height, GLenum format,
+            GLenum type, const void* data) {
+  glActiveTexture(GL_TEXTURE0 + unit);
+  glBindTexture(GL_TEXTURE_2D, texture);
+  for (GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, internal, width, height, 0, format, type, data);
+}
+
+struct GpuMesh {
+  gl::VertexArray array;
+  gl::Buffer vertices, indices;
+  std::optional<gl::Texture> texture;
+  GLsizei index_count = 0;
+  Material material;
+
+  explicit GpuMesh(const Mesh& mesh)
+      : index_count(static_cast<GLsizei>(mesh.indices.size())), material(mesh.material) {
+    glBindVertexArray(array);
+    glBindBuffer(GL_ARRAY_BUFFER, vertices);
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(Vertex)),
+                 mesh.vertices.data(), GL_STATIC_DRAW);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER,
+                 static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(mesh.indices[0])),
+                 mesh.indices.data(), GL_STATIC_DRAW);
+    attribute(0, 3, offsetof(Vertex, position));
+    attribute(1, 3, offsetof(Vertex, normal));
+    attribute(2, 3, offsetof(Vertex, colour));
+    attribute(3, 2, offsetof(Vertex, uv));
+    attribute(4, 1, offsetof(Vertex, openness));
+    if (!material.texture.empty()) upload_texture();
+  }
+
+ private:
+  static void attribute(GLuint index, GLint size, std::size_t offset) {
+    glEnableVertexAttribArray(index);
+    glVertexAttribPointer(index, size, GL_FLOAT, GL_FALSE, sizeof(Vertex),
+                          reinterpret_cast<const void*>(offset));
+  }
+
+  void upload_texture() {
+    const cv::Mat rgba =
+        material.texture.isContinuous() ? material.texture : material.texture.clone();
+    texture.emplace();
+    upload(*texture, 0, GL_RGBA8, rgba.cols, rgba.rows, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
+    for (GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+      glTexParameteri(GL_TEXTURE_2D, wrap, GL_REPEAT);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glGenerateMipmap(GL_TEXTURE_2D);
+    material.texture.release();
+  }
+};
+
+struct GpuModel {
+  std::vector<GpuMesh> meshes;
+  gl::Texture shadow;
+  Eigen::AlignedBox3f box;  ///< standing, longest side 1
+
+  explicit GpuModel(Model model) : box(model.bounds()) {
+    bake_openness(model);
+    for (const Mesh& mesh : model.meshes) meshes.emplace_back(mesh);
+    const cv::Mat rg = bake_shadow(model);
+    upload(shadow, 4, GL_RG8, rg.cols, rg.rows, GL_RG, GL_UNSIGNED_BYTE, rg.data);
+  }
+};
+
+/// Colour and depth, multisampled, and the single-sampled colour that it is resolved into.
+struct Target {
+  int width_px, height_px;
+  gl::Framebuffer multisampled, resolved;
+  gl::Renderbuffer colour, depth, resolved_colour;
+
+  Target(int width, int height) : width_px(width), height_px(height) {
+    GLint most = 0;
+    glGetIntegerv(GL_MAX_SAMPLES, &most);
+    const int samples = std::min(kSamples, most);
+    glBindFramebuffer(GL_FRAMEBUFFER, multisampled);
+    attach(colour, samples, GL_RGBA8, GL_COLOR_ATTACHMENT0);
+    attach(depth, samples, GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT);
+    glBindFramebuffer(GL_FRAMEBUFFER, resolved);
+    attach(resolved_colour, 0, GL_RGBA8, GL_COLOR_ATTACHMENT0);
+  }
+
+ private:
+  void attach(GLuint buffer, int samples, GLenum format, GLenum where) const {
+    glBindRenderbuffer(GL_RENDERBUFFER, buffer);
+    glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, width_px, height_px);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, where, GL_RENDERBUFFER, buffer);
+  }
+};
+
+/// Squared radius up to which distortion grows outwards (past it the polynomial is meaningless).
+float monotonic_r2(const Camera& camera) {
+  const auto& d = camera.distortion;
+  for (double r2 = 0; r2 < 9; r2 += 0.01)
+    if (1 + r2 * (3 * d[0] + r2 * (5 * d[1] + r2 * 7 * d[4])) <= 0) return static_cast<float>(r2);
+  return 9;
+}
+
+/// Part of the frame that the instances and their shadows can touch.
+cv::Rect region_of(const Camera& camera, std::span<const Instance> instances,
+                   const std::vector<GpuModel>& models) {
+  Eigen::AlignedBox2d all;
+  for (const Instance& instance : instances) {
+    if (instance.opacity <= 0) continue;
+    Eigen::AlignedBox3f box = models[instance.model].box;
+    if (instance.ground != Ground::none) {
+      box.extend(Vector3f(-1, -1, 0));
+      box.extend(Vector3f(1, 1, 0));
+    }
+    for (int i = 0; i < 8; ++i) {
+      const auto corner = static_cast<Eigen::AlignedBox3f::CornerType>(i);
+      const Eigen::Vector3d p =
+          instance.T_camera_object * (instance.size_m * box.corner(corner).cast<double>());
+      if (p.z() < 0.01) return {0, 0, camera.width_px, camera.height_px};
+      all.extend(camera.project(p));
+    }
+  }
+  if (all.isEmpty()) return {};
+  constexpr double kFar = 1e4;  // keeps the corners within what an int holds
+  const Eigen::Vector2d low = all.min().array().max(-kFar).min(kFar).floor() - 2;
+  const Eigen::Vector2d high = all.max().array().max(-kFar).min(kFar).ceil() + 3;
+  const cv::Rect region(cv::Point(int(low.x()), int(low.y())),
+                        cv::Point(int(high.x()), int(high.y())));
+  return region & cv::Rect(0, 0, camera.width_px, camera.height_px);
+}
+
+/// Lays a premultiplied BGRA picture over a BGR one.
+void lay_over(const cv::Mat& bgra, cv::Mat frame_bgr) {
+  for (int y = 0; y < bgra.rows; ++y) {
+    const std::uint8_t* over = bgra.ptr(y);
+    std::uint8_t* under = frame_bgr.ptr(y);
+    for (int x = 0; x < bgra.cols; ++x, over += 4, under += 3) {
+      if (over[3] == 0) continue;
+      const int rest = 255 - over[3];
+      for (int c = 0; c < 3; ++c)
+        under[c] =
+            static_cast<std::uint8_t>(std::min(255, over[c] + (under[c] * rest + 127) / 255));
+    }
+  }
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  std::shared_ptr<Context> context;
+  gl::Program object{std::string(shaders::kCamera) + shaders::kObjectVertex,
+                     std::string(shaders::kHand) + shaders::kObjectFragment};
+  gl::Program ground{std::string(shaders::kCamera) + shaders::kGroundVertex,
+                     std::string(shaders::kHand) + shaders::kGroundFragment};
+  gl::VertexArray no_vertices;
+  gl::Texture matte, ambient, mirrored;
+  std::vector<GpuModel> models;
+  std::optional<Target> target;
+  Illumination light;
+  cv::Mat overlay_bgra;
+
+  explicit Impl(std::shared_ptr<Context> c) : context(std::move(c)) {}
+
+  void begin(const cv::Rect& region) const {
+    glBindFramebuffer(GL_FRAMEBUFFER, target->multisampled);
+    glViewport(0, 0, target->width_px, target->height_px);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(region.x, region.y, region.width, region.height);
+    glEnable(GL_MULTISAMPLE);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LEQUAL);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_BLEND);
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  }
+
+  /// What both programs know of camera and hand.
+  void share(const gl::Program& program, const Camera& camera, const HandOccluder& hand,
+             const cv::Rect& region) const {
+    program.use();
+    glUniform4f(program["fc"], float(camera.fx_px), float(camera.fy_px), float(camera.cx_px),
+                float(camera.cy_px));
+    std::array<float, 5> k;
+    std::copy(camera.distortion.begin(), camera.distortion.end(), k.begin());
+    glUniform1fv(program["k"], 5, k.data());
+    glUniform1f(program["r2_max"], monotonic_r2(camera));
+    glUniform2f(program["size_px"], float(camera.width_px), float(camera.height_px));
+    glUniform1i(program["matte"], 1);
+    glUniform2i(program["matte_origin_px"], region.x, region.y);
+    glUniform1i(program["hand"], hand.mask.width == 0 ? 0 : hand.T_camera_hand ? 2 : 1);
+    if (hand.T_camera_hand) {
+      const Eigen::Vector3d normal = hand.T_camera_hand->linear().col(2);
+      set(program["hand_normal"], normal.cast<float>());
+      glUniform1f(program["hand_offset_m"], float(normal.dot(hand.T_camera_hand->translation())));
+    }
+    glUniform1f(program["finger_radius_m"], float(hand.finger_radius_m));
+  }
+
+  void place(const gl::Program& program, const Instance& instance) const {
+    const Eigen::Matrix4f T = instance.T_camera_object.matrix().cast<float>();
+    glUniformMatrix4fv(program["T_camera_object"], 1, GL_FALSE, T.data());
+    glUniform1f(program["size_m"], float(instance.size_m));
+    glUniform1f(program["opacity"], instance.opacity);
+    glUniform1f(program["glow"], instance.glow);
+  }
+
+  void draw_objects(std::span<const Instance> instances) const {
+    glUniform1i(object["surface"], 0);
+    glUniform1i(object["ambient"], 2);
+    glUniform1i(object["mirrored"], 3);
+    set(object["key"], light.key());
+    set(object["key_direction"], kKeyDirection);
+    for (const Instance& instance : instances) {
+      if (instance.opacity <= 0) continue;
+      place(object, instance);
+      for (const GpuMesh& mesh : models[instance.model].meshes) {
+        const Vector3f colour = mesh.material.colour.cwiseProduct(instance.colour);
+        const float roughness = std::clamp(mesh.material.roughness, 0.18f, 1.0f);
+        set(object["base_colour"], colour.cwiseProduct(colour));
+        glUniform1f(object["roughness"], roughness);
+        glUniform1f(object["shine"], std::max(1.0f, 2 / std::pow(roughness, 4.0f) - 2));
+        glUniform1f(object["metallic"], mesh.material.metallic);
+        glUniform1i(object["textured"], mesh.texture.has_value());
+        glActiveTexture(GL_TEXTURE0);
+        glBindTexture(GL_TEXTURE_2D, mesh.texture ? GLuint(*mesh.texture) : 0);
+        glBindVertexArray(mesh.array);
+        glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
+      }
+    }
+  }
+
+  /// Shadows go under what is drawn already.
+  void draw_grounds(std::span<const Instance> instances) const {
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE_MINUS_DST_ALPHA, GL_ONE);
+    glDepthMask(GL_FALSE);
+    glUniform1i(ground["shadow"], 4);
+    glBindVertexArray(no_vertices);
+    for (const Instance& instance : instances) {
+      if (instance.opacity <= 0 || instance.ground == Ground::none) continue;
+      place(ground, instance);
+      const GpuModel& model = models[instance.model];
+      const Vector3f lamp =
+          instance.T_camera_object.linear().cast<float>().transpose() * kKeyDirection;
+      // The shadow of a point half way up, no longer than the object is high.
+      const float height = 0.45f * model.box.max().z();
+      const Eigen::Vector2f shift = -height * lamp.head<2>() / std::max(lamp.z(), 0.45f);
+      glUniform2f(ground["thrown"], shift.x(), shift.y());
+      glUniform1f(ground["strength"], 0.2f + 0.3f * std::clamp(lamp.z() * 2, 0.0f, 1.0f));
+      glUniform1f(ground["shade"], instance.shadow);
+      glUniform1i(ground["on_hand"], instance.ground == Ground::hand);
+      glActiveTexture(GL_TEXTURE4);
+      glBindTexture(GL_TEXTURE_2D, model.shadow);
+      glDrawArrays(GL_TRIANGLES, 0, 16 * 16 * 6);
+    }
+  }
+
+  void read_back(const cv::Rect& region) {
+    const int x1 = region.x + region.width, y1 = region.y + region.height;
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, target->multisampled);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target->resolved);
+    glBlitFramebuffer(region.x, region.y, x1, y1, region.x, region.y, x1, y1, GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, target->resolved);
+    overlay_bgra.create(region.size(), CV_8UC4);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(region.x, region.y, region.width, region.height, GL_BGRA, GL_UNSIGNED_BYTE,
+                 overlay_bgra.data);
+  }
+};
+
+Renderer::Renderer(std::shared_ptr<Context> context) {
+  context->make_current();
+  impl_ = std::make_unique<Impl>(std::move(context));
+}
+Renderer::~Renderer() {
+  if (impl_) impl_->context->make_current();
+}
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+int Renderer::add(const Model& model) {
+  impl_->context->make_current();
+  impl_->models.emplace_back(model.standing());
+  return static_cast<int>(impl_->models.size()) - 1;
+}
+
+void Renderer::reset_light() { impl_->light.reset(); }
+
+void Renderer::draw(cv::Mat& frame_bgr, const Camera& camera, std::span<const Instance> instances,
+                    const HandOccluder& hand) {
+  CV_Assert(frame_bgr.type() == CV_8UC3);
+  Impl& im = *impl_;
+  im.light.observe(frame_bgr, hand.mask);
+  const Camera seen = camera.scaled_to(frame_bgr.cols, frame_bgr.rows);
+  const cv::Rect region = region_of(seen, instances, im.models);
+  if (region.empty()) return;
+
+  im.context->make_current();
+  if (!im.target || im.target->width_px != frame_bgr.cols || im.target->height_px != frame_bgr.rows)
+    im.target.emplace(frame_bgr.cols, frame_bgr.rows);
+  const double distance_m = hand.T_camera_hand ? hand.T_camera_hand->translation().norm() : 0.5;
+  const cv::Mat matte =
+      hand_matte(hand.mask, region, seen.fx_px * hand.finger_radius_m / distance_m);
+  upload(im.matte, 1, GL_RG8, matte.cols, matte.rows, GL_RG, GL_UNSIGNED_BYTE, matte.data);
+  const cv::Mat &ambient = im.light.ambient(), &mirrored = im.light.mirrored();
+  upload(im.ambient, 2, GL_RGB16F, ambient.cols, ambient.rows, GL_RGB, GL_FLOAT, ambient.data);
+  upload(im.mirrored, 3, GL_RGB16F, mirrored.cols, mirrored.rows, GL_RGB, GL_FLOAT, mirrored.data);
+
+  im.begin(region);
+  im.share(im.object, seen, hand, region);
+  im.draw_objects(instances);
+  im.share(im.ground, seen, hand, region);
+  im.draw_grounds(instances);
+  im.read_back(region);
+  lay_over(im.overlay_bgra, frame_bgr(region));
+}
+
+}  // namespace handyar::render

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/render/scene.hpp"
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <opencv2/aruco.hpp>
+
+#include "handyar/io/error.hpp"
+#include "handyar/io/pending_file.hpp"
+
+namespace handyar::render {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::pair<std::string_view, int> kDictionaries[] = {
+    {"DICT_4X4_50", cv::aruco::DICT_4X4_50},
+    {"DICT_4X4_100", cv::aruco::DICT_4X4_100},
+    {"DICT_4X4_250", cv::aruco::DICT_4X4_250},
+    {"DICT_4X4_1000", cv::aruco::DICT_4X4_1000},
+    {"DICT_5X5_50", cv::aruco::DICT_5X5_50},
+    {"DICT_5X5_100", cv::aruco::DICT_5X5_100},
+    {"DICT_5X5_250", cv::aruco::DICT_5X5_250},
+    {"DICT_5X5_1000", cv::aruco::DICT_5X5_1000},
+    {"DICT_6X6_50", cv::aruco::DICT_6X6_50},
+    {"DICT_6X6_100", cv::aruco::DICT_6X6_100},
+    {"DICT_6X6_250", cv::aruco::DICT_6X6_250},
+    {"DICT_6X6_1000", cv::aruco::DICT_6X6_1000},
+    {"DICT_7X7_50", cv::aruco::DICT_7X7_50},
+    {"DICT_7X7_100", cv::aruco::DICT_7X7_100},
+    {"DICT_7X7_250", cv::aruco::DICT_7X7_250},
+    {"DICT_7X7_1000", cv::aruco::DICT_7X7_1000},
+    {"DICT_ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL},
+    {"DICT_APRILTAG_16h5", cv::aruco::DICT_APRILTAG_16h5},
+    {"DICT_APRILTAG_25h9", cv::aruco::DICT_APRILTAG_25h9},
+    {"DICT_APRILTAG_36h10", cv::aruco::DICT_APRILTAG_36h10},
+    {"DICT_APRILTAG_36h11", cv::aruco::DICT_APRILTAG_36h11},
+};
+
+/// Reads one scene; `at_` says where in the file for messages.
+class Reader {
+ public:
+  explicit Reader(const std::string& path) : path_(path) {}
+
+  Scene read(std::string_view text) {
+    json root;
+    try {
+      root = json::parse(text);
+    } catch (const json::exception& e) {
+      fail("is not JSON: " + std::string(e.what()));
+    }
+    if (!root.is_object()) fail("is not a scene: an object with \"objects\" is expected");
+    at_ = "";
+    if (root.value("format", json()) != "handyar-scene")
+      fail("\"format\" is not \"handyar-scene\"");
+    if (root.value("version", json()) != 1) fail("\"version\" is not 1");
+    if (root.contains("world")) read_world(root["world"]);
+    if (!root.contains("objects") || !root["objects"].is_array() || root["objects"].empty())
+      fail("\"objects\" is missing or empty");
+    for (std::size_t i = 0; i < root["objects"].size(); ++i) {
+      at_ = "object " + std::to_string(i + 1) + ": ";
+      read_object(root["objects"][i]);
+    }
+    return std::move(scene_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& fault) const { throw io::Error(path_, at_ + fault); }
+
+  const json& field(const json& in, const char* key) const {
+    if (!in.is_object()) fail("an object in braces is expected");
+    const auto it = in.find(key);
+    if (it == in.end()) fail(std::string("\"") + key + "\" is missing");
+    return *it;
+  }
+
+  double number(const json& in, const char* key, double low, double high) const {
+    const json& v = field(in, key);
+    if (!v.is_number() || !(v >= low && v <= high)) {
+      char range[80];
+      std::snprintf(range, sizeof range, "\" is not a number from %g to %g", low, high);
+      fail(std::string("\"") + key + range);
+    }
+    return v;
+  }
+
+  int whole(const json& in, const char* key, int low, int high) const {
+    const double v = number(in, key, low, high);
+    if (v != std::floor(v)) fail(std::string("\"") + key + "\" is not a whole number");
+    return static_cast<int>(v);
+  }
+
+  std::string word(const json& in, const char* key) const {
+    const json& v = field(in, key);
+    if (!v.is_string() || v.get_ref<const std::string&>().empty())
+      fail(std::string("\"") + key + "\" is not a text");
+    return v;
+  }
+
+  Eigen::Vector3d triple(const json& in, const char* key) const {
+    if (!in.contains(key)) return Eigen::Vector3d::Zero();
+    const json& v = in[key];
+    Eigen::Vector3d out;
+    if (!v.is_array() || v.size() != 3) fail(std::string("\"") + key + "\" is not three numbers");
+    for (int i = 0; i < 3; ++i) {
+      if (!v[i].is_number() || !(std::abs(v[i].get<double>()) <= 1e6))
+        fail(std::string("\"") + key + "\" is not three numbers");
+      out[i] = v[i];
+    }
+    return out;
+  }
+
+  /// Turned about the fixed axes x, then y, then z; then moved.
+  Eigen::Isometry3d pose(const json& in) const {
+    if (!in.contains("pose")) return Eigen::Isometry3d::Identity();
+    const json& v = in["pose"];
+    if (!v.is_object()) fail("\"pose\" is not an object in braces");
+    const Eigen::Vector3d angles_rad = triple(v, "rotation_deg") * (M_PI / 180);
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.translation() = triple(v, "position_mm") / 1000;
+    T.linear() = (Eigen::AngleAxisd(angles_rad.z(), Eigen::Vector3d::UnitZ()) *
+                  Eigen::AngleAxisd(angles_rad.y(), Eigen::Vector3d::UnitY()) *
+                  Eigen::AngleAxisd(angles_rad.x(), Eigen::Vector3d::UnitX()))
+                     .toRotationMatrix();
+    return T;
+  }
+
+  Eigen::Vector3f colour(const json& in) const {
+    if (!in.contains("colour")) return Eigen::Vector3f::Ones();
+    const std::string text = word(in, "colour");
+    unsigned r = 0, g = 0, b = 0;
+    int used = 0;
+    if (text.size() != 7 || std::sscanf(text.c_str(), "#%2x%2x%2x%n", &r, &g, &b, &used) != 3 ||
+        used != 7)
+      fail("\"colour\" is not like \"#rrggbb\"");
+    return Eigen::Vector3f(float(r), float(g), float(b)) / 255;
+  }
+
+  SceneMarker marker(const json& in) const {
+    SceneMarker m;
+    m.dictionary = word(in, "dictionary");
+    if (!dictionary_number(m.dictionary))
+      fail("unknown marker dictionary \"" + m.dictionary + "\" (known are OpenCV's, like " +
+           "DICT_4X4_50 or DICT_APRILTAG_36h11)");
+    m.id = whole(in, "id", 0, 100000);
+    m.size_m = number(in, "size_mm", 1, 10000) / 1000;
+    return m;
+  }
+
+  /// Index of the same print among the markers so far, -1 when there is none.
+  int find(const SceneMarker& m) const {
+    for (std::size_t i = 0; i < scene_.markers.size(); ++i)
+      if (scene_.markers[i].dictionary == m.dictionary && scene_.markers[i].id == m.id)
+        return static_cast<int>(i);
+    return -1;
+  }
+
+  void read_world(const json& world) {
+    at_ = "world: ";
+    if (world.contains("board")) read_board(world["board"]);
+    if (world.contains("markers")) {
+      if (!world["markers"].is_array()) fail("\"markers\" is not a list");
+      for (const json& in : world["markers"]) {
+        SceneMarker m = marker(in);
+        m.T_world_marker = pose(in);
+        add_to_world(m);
+      }
+    }
+    if (scene_.markers.empty()) fail("has neither \"markers\" nor a \"board\"");
+  }
+
+  void add_to_world(const SceneMarker& m) {
+    if (find(m) >= 0) fail("marker " + std::to_string(m.id) + " is named twice");
+    scene_.markers.push_back(m);
+  }
+
+  /// Markers in rows from the top left, ids rising; the world's origin is the board's centre, x
+  /// right, y up, z out of the print.
+  void read_board(const json& in) {
+    const int columns = whole(in, "columns", 1, 100), rows = whole(in, "rows", 1, 100);
+    const double gap_m = number(in, "gap_mm", 0, 10000) / 1000;
+    json first = in;
+    if (!first.contains("id")) first["id"] = 0;
+    SceneMarker m = marker(first);
+    const double pitch_m = m.size_m + gap_m;
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column, ++m.id) {
+        m.T_world_marker = Eigen::Isometry3d(Eigen::Translation3d(
+            pitch_m * (column - 0.5 * (columns - 1)), pitch_m * (0.5 * (rows - 1) - row), 0));
+        add_to_world(m);
+      }
+  }
+
+  void read_object(const json& in) {
+    const bool has_world = !scene_.markers.empty() && scene_.markers.front().T_world_marker;
+    SceneObject o;
+    o.model = word(in, "model");
+    const std::filesystem::path folder = std::filesystem::path(path_).parent_path();
+    if (o.model != "teapot" && o.model != "bunny") o.model = (folder / o.model).string();
+    o.name = in.contains("name") ? word(in, "name")
+                                 : "object " + std::to_string(scene_.objects.size() + 1);
+    for (const SceneObject& other : scene_.objects)
+      if (other.name == o.name) fail("the name \"" + o.name + "\" is used twice");
+    o.colour = colour(in);
+    if (in.contains("size_mm")) o.size_m = number(in, "size_mm", 1, 10000) / 1000;
+    o.T_marker_object = pose(in);
+    if (in.contains("marker")) {
+      const SceneMarker m = marker(in["marker"]);
+      o.marker = find(m);
+      for (const SceneObject& other : scene_.objects)
+        if (o.marker >= 0 && other.marker == o.marker)
+          fail("\"" + other.name + "\" is already on marker " + std::to_string(m.id) + " of " +
+               m.dictionary);
+      if (o.marker < 0) {
+        if (has_world) fail("marker " + std::to_string(m.id) + " is not part of the world");
+        o.marker = static_cast<int>(scene_.markers.size());
+        scene_.markers.push_back(m);
+      } else if (scene_.markers[o.marker].size_m != m.size_m) {
+        fail("marker " + std::to_string(m.id) + " has another size in the world");
+      }
+    } else if (!has_world) {
+      fail("\"marker\" is missing");
+    }
+    scene_.objects.push_back(o);
+  }
+
+  std::string path_, at_;
+  Scene scene_;
+};
+
+}  // namespace
+
+std::optional<int> dictionary_number(std::string_view name) {
+  for (const auto& [known, number] : kDictionaries)
+    if (known == name) return number;
+  return std::nullopt;
+}
+
+Scene parse_scene(std::string_view text, const std::string& path) {
+  return Reader(path).read(text);
+}
+
+Scene read_scene(const std::string& path) { return parse_scene(io::read_text(path), path); }
+
+}  // namespace handyar::render

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/render/model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <tuple>
+
+#include "handyar/io/error.hpp"
+
+namespace handyar::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ModelFile : public testing::Test {
+ protected:
+  ModelFile()
+      : folder_(fs::path(testing::TempDir()) /
+                testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    fs::create_directories(folder_);
+  }
+  ~ModelFile() override { fs::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return (folder_ / name).string();
+  }
+
+  std::string complaint(const std::string& path) const {
+    try {
+      load_model(path);
+    } catch (const io::Error& e) {
+      const std::string said = e.what();
+      EXPECT_EQ(said.find(path), 0u) << said;
+      EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+      return said;
+    }
+    return "";
+  }
+
+  fs::path folder_;
+};
+
+/// Share of the surface whose stored normal agrees with its triangles' winding.
+double agreement(const Mesh& mesh) {
+  double good = 0, all = 0;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const Vertex &a = mesh.vertices[mesh.indices[i]], &b = mesh.vertices[mesh.indices[i + 1]],
+                 &c = mesh.vertices[mesh.indices[i + 2]];
+    const Eigen::Vector3f n = (b.position - a.position).cross(c.position - a.position);
+    all += n.norm();
+    if (std::abs(n.dot(a.normal)) > 0.5f * n.norm()) good += n.norm();
+  }
+  return good / all;
+}
+
+TEST(Teapot, HasTheProportionsOfThePublishedOne) {
+  const Model model = teapot();
+  const Eigen::AlignedBox3f box = model.bounds();
+  // From handle (-3.0) to spout (3.525 is a control point; the curve itself reaches 3.434), from
+  // the table to the knob's top, and twice the body's radius of 2.
+  EXPECT_NEAR(box.min().y(), -3.0, 0.02);
+  EXPECT_NEAR(box.max().y(), 3.434, 0.02);
+  EXPECT_NEAR(box.min().z(), 0, 1e-5);
+  EXPECT_NEAR(box.max().z(), 3.15, 1e-5);
+  EXPECT_NEAR(box.sizes().x(), 4.0, 0.02);
+  EXPECT_GT(agreement(model.meshes[0]), 0.99);
+}
+
+TEST(Teapot, NormalsPointOutwards) {
+  const Model model = teapot();
+  for (const Vertex& v : model.meshes[0].vertices) {
+    EXPECT_NEAR(v.normal.norm(), 1, 1e-4);
+    const Eigen::Vector2f radial = v.position.head<2>();
+    const bool belly = v.position.z() > 0.3f && v.position.z() < 2.2f &&
+                       std::abs(radial.y()) < 1.2f && std::abs(radial.x()) > 1.0f;
+    if (belly) {
+      EXPECT_GT(v.normal.head<2>().dot(radial), 0);
+    }
+  }
+}
+
+TEST(Bunny, IsOneClosedSkin) {
+  const Model model = bunny();
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  const Mesh& skin = model.meshes[0];
+  for (std::size_t i = 0; i < skin.indices.size(); i += 3)
+    for (int k = 0; k < 3; ++k) ++edges[{skin.indices[i + k], skin.indices[i + (k + 1) % 3]}];
+  int open = 0;
+  for (const auto& [edge, count] : edges) {
+    const auto back = edges.find({edge.second, edge.first});
+    open += back == edges.end() || back->second != count;
+  }
+  EXPECT_EQ(open, 0);
+  EXPECT_GT(agreement(skin), 0.95);
+  EXPECT_LT(skin.indices.size() / 3, 15000u);
+}
+
+TEST(Standing, PutsTheFootOnTheOriginAndTheLongestSideToOne) {
+  for (const char* name : {"teapot", "bunny"}) {
+    const Eigen::AlignedBox3f box = find_model(name).bounds();
+    EXPECT_NEAR(box.min().z(), 0, 1e-5);
+    EXPECT_NEAR(box.center().head<2>().norm(), 0, 1e-5);
+    EXPECT_NEAR(box.sizes().maxCoeff(), 1, 1e-5);
+  }
+}
+
+TEST_F(ModelFile, ReadsAnObjWithItsTexture) {
+  // A square upright in the file's x-y plane (y up); its lower left quarter is red.
+  cv::Mat picture(2, 2, CV_8UC3, cv::Scalar(255, 255, 255));
+  picture.at<cv::Vec3b>(1, 0) = {0, 0, 255};
+  cv::imwrite((folder_ / "t.png").string(), picture);
+  write("m.mtl", "newmtl skin\nKd 1 1 1\nmap_Kd t.png\n");
+  const std::string path =
+      write("m.obj",
+            "mtllib m.mtl\nv 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+            "usemtl skin\nf 1/1 2/2 3/3 4/4\n");
+  const Model model = load_model(path);
+  ASSERT_EQ(model.meshes.size(), 1u);
+  const Eigen::AlignedBox3f box = model.bounds();
+  EXPECT_TRUE(box.sizes().isApprox(Eigen::Vector3f(0, 2, 3), 1e-5f)) << box.sizes();
+  EXPECT_EQ(model.meshes[0].indices.size(), 6u);
+  const cv::Mat& texture = model.meshes[0].material.texture;
+  ASSERT_EQ(texture.type(), CV_8UC4);
+  EXPECT_EQ(texture.at<cv::Vec4b>(1, 0), cv::Vec4b(255, 0, 0, 255));
+  for (const Vertex& v : model.meshes[0].vertices)  // the file's v goes up, the picture's rows down
+    EXPECT_NEAR(v.uv.y(), v.position.z() > 1 ? 0 : 1, 1e-5);
+}
+
+TEST_F(ModelFile, ReadsAPlyWithColours) {
+  const std::string path =
+      write("m.ply",
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+            "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+            "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+            "0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
+  const Model model = load_model(path);
+  EXPECT_TRUE(model.meshes.at(0).vertices.at(0).colour.isApprox(Eigen::Vector3f(1, 0, 0), 1e-5f));
+}
+
+TEST_F(ModelFile, SaysInOneLineWhatIsWrong) {
+  EXPECT_NE(complaint((folder_ / "none.obj").string()).find("no such"), std::string::npos);
+  EXPECT_NE(complaint(write("broken.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"meshes\": [")),
+            "");
+  EXPECT_NE(
+      complaint(write("hollow.gltf",
+                      "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"gone.bin\","
+                      "\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+                      "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,"
+                      "\"type\":\"VEC3\"}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+                      "{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":"
+                      "[0]}],\"scene\":0}")),
+      "");
+  EXPECT_NE(complaint(write("text.obj", "this is no model\n")), "");
+  EXPECT_NE(complaint(write("points.obj", "v 0 0 0\nv 1 0 0\n")), "");
+  EXPECT_NE(complaint(write("empty.glb", "")), "");
+  EXPECT_NE(complaint(folder_.string()), "");
+  write("m.mtl", "newmtl skin\nmap_Kd gone.png\n");
+  EXPECT_NE(complaint(write("m.obj",
+                            "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\n"
+                            "vt 1 1\nusemtl skin\nf 1/1 2/2 3/3\n"))
+                .find("gone.png"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace handyar::render

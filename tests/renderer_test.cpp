@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/render/renderer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "handyar/render/hand_overlay.hpp"
+
+namespace handyar::render {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+const cv::Vec3b kSkin(140, 160, 200), kRoom(90, 80, 60);
+
+/// A cube of side 1, so that positions in the test are those of its faces.
+Model cube() {
+  Mesh mesh;
+  for (int axis = 0; axis < 3; ++axis)
+    for (float side : {-1.0f, 1.0f}) {
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      const Eigen::Vector3f n = side * Eigen::Vector3f::Unit(axis);
+      const Eigen::Vector3f u = Eigen::Vector3f::Unit((axis + 1) % 3), v = n.cross(u);
+      for (auto [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+        mesh.vertices.push_back({0.5f * (n + float(a) * u + float(b) * v), n});
+      for (std::uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(first + i);
+    }
+  return {{mesh}};
+}
+
+/// A hand upright before the camera, its visible face towards it, then tilted about its x axis.
+Isometry3d hand_at(double distance_m, double tilt_rad = 0) {
+  Isometry3d T = Isometry3d::Identity();
+  T.translation() = Vector3d(0, 0, distance_m);
+  T.linear() =
+      (Eigen::AngleAxisd(tilt_rad, Vector3d::UnitX()) * Eigen::AngleAxisd(M_PI, Vector3d::UnitX()))
+          .toRotationMatrix();
+  return T;
+}
+
+Isometry3d raised(const Isometry3d& T_camera_hand, const Vector3d& p_hand_m) {
+  return T_camera_hand * Eigen::Translation3d(p_hand_m);
+}
+
+struct RendererTest : testing::Test {
+  const Camera camera = Camera::from_field_of_view(640, 480);
+  Renderer renderer;
+  const int box = renderer.add(cube());
+  cv::Mat mask_image = cv::Mat::zeros(480, 640, CV_8U);
+
+  void hand_covers(const cv::Rect& where_px) { mask_image(where_px) = 255; }
+
+  HandMask mask() const {
+    return {mask_image.data,
+            mask_image.cols,
+            mask_image.rows,
+            static_cast<std::ptrdiff_t>(mask_image.step),
+            0,
+            0,
+            1};
+  }
+  cv::Mat frame() const {
+    cv::Mat bgr(480, 640, CV_8UC3, cv::Scalar(kRoom));
+    bgr.setTo(cv::Scalar(kSkin), mask_image);
+    return bgr;
+  }
+  /// A red cube without a shadow, its foot at `T_camera_object`.
+  Instance red(const Isometry3d& T_camera_object, double size_m = 0.06) const {
+    Instance i;
+    i.model = box;
+    i.T_camera_object = T_camera_object;
+    i.size_m = size_m;
+    i.colour = {1, 0.05f, 0.05f};
+    i.ground = Ground::none;
+    return i;
+  }
+  cv::Mat drawn(const Instance& instance, const std::optional<Isometry3d>& T_camera_hand) {
+    cv::Mat bgr = frame();
+    renderer.draw(bgr, camera, {&instance, 1}, {mask(), T_camera_hand, 0.008});
+    return bgr;
+  }
+  cv::Vec3b at(const cv::Mat& bgr, const Vector3d& p_camera_m) const {
+    const Vector2d px = camera.project(p_camera_m);
+    return bgr.at<cv::Vec3b>(cvRound(px.y()), cvRound(px.x()));
+  }
+};
+
+bool is_red(const cv::Vec3b& c) { return c[2] > 60 && c[2] > 2 * c[0] && c[2] > 2 * c[1]; }
+
+TEST_F(RendererTest, InFrontOfTheHandTheObjectIsSeen) {
+  hand_covers({220, 140, 200, 300});
+  const Isometry3d T = hand_at(0.45);
+  const cv::Mat out = drawn(red(T), T);
+  EXPECT_TRUE(is_red(at(out, T * Vector3d(0, 0, 0.06))));
+  EXPECT_TRUE(is_red(at(out, T * Vector3d(0.025, 0.025, 0.06))));
+  EXPECT_EQ(at(out, T * Vector3d(0.05, 0, 0)), kSkin);
+  EXPECT_EQ(out.at<cv::Vec3b>(10, 10), kRoom);
+}
+
+TEST_F(RendererTest, BehindTheHandItIsNot) {
+  hand_covers({220, 140, 200, 300});
+  const Isometry3d T = hand_at(0.45);
+  const cv::Mat out = drawn(red(raised(T, {0, 0, -0.12})), T);
+  cv::Mat difference;
+  cv::absdiff(out, frame(), difference);
+  EXPECT_EQ(cv::countNonZero(difference.reshape(1)), 0);
+}
+
+TEST_F(RendererTest, HalfBehindTheHandItIsSeenBesideIt) {
+  hand_covers({120, 60, 200, 360});  // left of the picture's middle, up to column 319
+  const Isometry3d T = hand_at(0.45);
+  const cv::Mat out = drawn(red(raised(T, {0, 0, -0.12})), T);
+  const int row = 240;
+  EXPECT_EQ(out.at<cv::Vec3b>(row, 310), kSkin);
+  EXPECT_TRUE(is_red(out.at<cv::Vec3b>(row, 330)));
+  // A soft edge of a few pixels, without a rim of the room between hand and object.
+  int between = 0;
+  for (int x = 310; x < 330; ++x) {
+    const cv::Vec3b c = out.at<cv::Vec3b>(row, x);
+    between += c != kSkin && !is_red(c);
+    EXPECT_GT(c[2], 100) << "column " << x;  // hand and object are red, the room is not
+  }
+  EXPECT_LE(between, 4);
+}
+
+TEST_F(RendererTest, APartBelowTheHandIsHiddenAndAPartAboveIsSeen) {
+  hand_covers({0, 0, 640, 480});
+  const Isometry3d T = hand_at(0.45, 1.1);  // looked at from 27 degrees above its plane
+  const cv::Mat out = drawn(red(raised(T, {0, 0, -0.05}), 0.1), T);
+  const double near_face = T.linear()(2, 1) > 0 ? -0.05 : 0.05;
+  EXPECT_TRUE(is_red(at(out, T * Vector3d(0, near_face, 0.03))));
+  EXPECT_EQ(at(out, T * Vector3d(0, near_face, -0.03)), kSkin);
+}
+
+TEST_F(RendererTest, NothingShinesThroughAHandSeenFromBehind) {
+  hand_covers({220, 140, 200, 300});
+  Isometry3d T = hand_at(0.45);
+  T.linear() *= Eigen::AngleAxisd(M_PI, Vector3d::UnitY()).toRotationMatrix();
+  const cv::Mat out = drawn(red(T, 0.05), T);  // stands on the face turned away
+  EXPECT_EQ(at(out, T * Vector3d::Zero()), kSkin);
+}
+
+TEST_F(RendererTest, WithoutAPoseTheHandIsNearerThanEverything) {
+  hand_covers({120, 60, 200, 360});
+  const cv::Mat out = drawn(red(hand_at(0.3)), std::nullopt);
+  EXPECT_EQ(out.at<cv::Vec3b>(240, 300), kSkin);
+  EXPECT_TRUE(is_red(out.at<cv::Vec3b>(240, 340)));
+}
+
+TEST_F(RendererTest, AHalfSizeMaskWithAnOffsetHidesTheSame) {
+  hand_covers({120, 60, 200, 360});
+  const cv::Mat expected = drawn(red(hand_at(0.3)), std::nullopt);
+  cv::Mat half;
+  cv::resize(mask_image(cv::Rect(100, 40, 300, 400)), half, {150, 200}, 0, 0, cv::INTER_NEAREST);
+  cv::Mat out = frame();
+  const Instance instance = red(hand_at(0.3));
+  renderer.draw(
+      out, camera, {&instance, 1},
+      {{half.data, half.cols, half.rows, static_cast<std::ptrdiff_t>(half.step), 100, 40, 2},
+       std::nullopt,
+       0.008});
+  for (int x : {250, 312, 330, 350})
+    EXPECT_LT(cv::norm(out.at<cv::Vec3b>(240, x), expected.at<cv::Vec3b>(240, x)), 8) << x;
+}
+
+TEST_F(RendererTest, FollowsTheDistortionOfTheCamera) {
+  Camera bent = camera;
+  bent.distortion = {-0.28, 0.09, 0.002, -0.001, 0.0};
+  for (const Vector3d& p : {Vector3d(0.2, 0.14, 0.5), Vector3d(-0.22, 0.1, 0.5),
+                            Vector3d(0.0, -0.17, 0.5), Vector3d(0.05, 0.02, 0.5)}) {
+    Isometry3d T = hand_at(0.5);
+    T.translation() = p;
+    const Instance dot = red(raised(T, {0, 0, -0.002}), 0.004);
+    cv::Mat bgr = frame(), gray;
+    renderer.draw(bgr, bent, {&dot, 1});
+    cv::absdiff(bgr, frame(), bgr);
+    cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
+    const cv::Moments m = cv::moments(gray);
+    ASSERT_GT(m.m00, 0);
+    const Vector2d px = bent.project(p);
+    EXPECT_NEAR(m.m10 / m.m00, px.x(), 0.4);
+    EXPECT_NEAR(m.m01 / m.m00, px.y(), 0.4);
+    EXPECT_GT((px - camera.project(p)).norm(), p.head<2>().norm() > 0.1 ? 5 : 0);
+  }
+}
+
+TEST_F(RendererTest, OpacityIsACrossFade) {
+  const Isometry3d T = hand_at(0.45);
+  Instance instance = red(T);
+  const Vector3d middle = T * Vector3d(0, 0, 0.06);
+  const cv::Vec3b full = at(drawn(instance, T), middle);
+  instance.opacity = 0.5f;
+  const cv::Vec3b half = at(drawn(instance, T), middle);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(half[c], (full[c] + kRoom[c]) / 2.0, 2);
+  instance.opacity = 0;
+  EXPECT_EQ(at(drawn(instance, T), middle), kRoom);
+}
+
+TEST_F(RendererTest, TheShadowFallsOnTheHandAndNowhereElse) {
+  hand_covers({220, 140, 200, 130});  // down to row 269
+  const Isometry3d T = hand_at(0.45);
+  Instance instance = red(T, 0.03);
+  instance.ground = Ground::hand;
+  const cv::Mat out = drawn(instance, T);
+  // The lamp is above the camera, so it falls below the cube's foot, which ends at row 258.
+  EXPECT_LT(out.at<cv::Vec3b>(264, 330)[1], kSkin[1] - 12);
+  for (int y = 274; y < 300; ++y) EXPECT_EQ(out.at<cv::Vec3b>(y, 330), kRoom) << y;
+}
+
+TEST_F(RendererTest, ADarkRoomMakesADarkObject) {
+  const Isometry3d T = hand_at(0.45);
+  const Instance instance = red(T);
+  double seen[2];
+  for (int dark : {0, 1}) {
+    Renderer fresh;
+    fresh.add(cube());
+    cv::Mat bgr(480, 640, CV_8UC3, dark ? cv::Scalar(40, 40, 40) : cv::Scalar(170, 170, 170));
+    fresh.draw(bgr, camera, {&instance, 1});
+    seen[dark] = at(bgr, T * Vector3d(0, 0, 0.06))[2];
+  }
+  EXPECT_GT(seen[0], 1.4 * seen[1]);
+}
+
+TEST_F(RendererTest, WhatIsOutOfViewOrBehindTheCameraIsHarmless) {
+  for (const Vector3d& p :
+       {Vector3d(5, 0, 0.5), Vector3d(0, 0, -0.5), Vector3d(0, 0, 0.01), Vector3d(0, 0, 1e7)}) {
+    Isometry3d T = hand_at(0.5);
+    T.translation() = p;
+    EXPECT_NO_THROW(drawn(red(T), T));
+  }
+}
+
+struct OverlayTest : RendererTest {
+  HandOverlay overlay{cube(), 0.05};
+  const HandModel hand = average_adult_hand();
+
+  /// Colour over the palm after a frame with or without the hand.
+  cv::Vec3b step(double time_s, const std::optional<Isometry3d>& T_camera_hand, Layout layout) {
+    cv::Mat bgr = frame();
+    overlay.draw(bgr, camera, time_s, T_camera_hand, hand.for_layout(layout), mask());
+    return at(bgr, hand_at(0.45) * Vector3d(0, palm_centre_m(hand).y(), 0.05));
+  }
+};
+
+TEST_F(OverlayTest, ComesAndGoesWithoutAJump) {
+  hand_covers({220, 140, 200, 300});
+  cv::Vec3b before = step(0, std::nullopt, Layout::thumb_right);
+  EXPECT_EQ(before, kSkin);
+  int changes = 0;
+  for (int i = 1; i <= 60; ++i) {
+    const bool seen = i <= 30;
+    const cv::Vec3b now =
+        step(i / 30.0, seen ? std::optional(hand_at(0.45)) : std::nullopt, Layout::thumb_right);
+    EXPECT_LT(cv::norm(now, before), 70) << "frame " << i;
+    changes += cv::norm(now, before) > 5;
+    before = now;
+    if (i == 25) {
+      EXPECT_GT(cv::norm(now, kSkin), 40);
+    }
+  }
+  EXPECT_EQ(before, kSkin);
+  EXPECT_GE(changes, 6);
+}
+
+TEST_F(OverlayTest, AfterAFlipItLeavesOneFaceBeforeItComesOnTheOther) {
+  hand_covers({220, 140, 200, 300});
+  for (int i = 0; i < 20; ++i) step(i / 30.0, hand_at(0.45), Layout::thumb_right);
+  double least = 1e9;
+  cv::Vec3b last;
+  for (int i = 20; i < 60; ++i) {
+    last = step(i / 30.0, hand_at(0.45), Layout::thumb_left);
+    least = std::min(least, cv::norm(last, kSkin));
+  }
+  EXPECT_LT(least, 4);
+  EXPECT_GT(cv::norm(last, kSkin), 40);
+}
+
+TEST_F(OverlayTest, DoesNotStandBesideTheHand) {
+  hand_covers({20, 140, 200, 300});  // the palm is at column 320
+  for (int i = 0; i < 20; ++i)
+    EXPECT_EQ(step(i / 30.0, hand_at(0.45), Layout::thumb_right), kRoom) << "frame " << i;
+}
+
+TEST_F(OverlayTest, StandsOnThePalmPoint) {
+  HandOverlay dot(cube(), 0.004);
+  for (double tilt : {-0.9, 0.0, 0.9}) {
+    const Isometry3d T = hand_at(0.45, tilt);
+    hand_covers({0, 0, 640, 480});
+    cv::Mat bgr, gray;
+    for (int i = 0; i < 12; ++i) {
+      bgr = frame();
+      dot.draw(bgr, camera, 10 * tilt + 20 + i / 30.0, T, hand, mask());
+    }
+    cv::absdiff(bgr, frame(), bgr);
+    cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
+    const cv::Moments m = cv::moments(gray);
+    const Vector2d px = camera.project(T * palm_centre_m(hand));
+    EXPECT_LT((Vector2d(m.m10, m.m01) / m.m00 - px).norm(), 3) << "tilt " << tilt;
+  }
+}
+
+}  // namespace
+}  // namespace handyar::render

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/render/scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "handyar/io/error.hpp"
+
+namespace handyar::render {
+namespace {
+
+using nlohmann::json;
+
+json marker(int id) { return {{"dictionary", "DICT_4X4_50"}, {"id", id}, {"size_mm", 70}}; }
+
+json two_objects() {
+  return {{"format", "handyar-scene"},
+          {"version", 1},
+          {"objects",
+           {{{"name", "a"}, {"marker", marker(3)}, {"model", "teapot"}, {"colour", "#ff8000"}},
+            {{"name", "b"}, {"marker", marker(4)}, {"model", "shelf/cup.obj"}}}}};
+}
+
+/// What the reader says of a scene; empty when it has nothing to say.
+std::string complaint(const std::string& text) {
+  try {
+    parse_scene(text, "rooms/scene.json");
+  } catch (const io::Error& e) {
+    return e.what();
+  }
+  return "";
+}
+std::string complaint(const json& scene) { return complaint(scene.dump()); }
+
+void expect_complaint(const json& scene, const std::string& part) {
+  const std::string said = complaint(scene);
+  EXPECT_EQ(said.find("rooms/scene.json: "), 0u) << said;
+  EXPECT_NE(said.find(part), std::string::npos) << said;
+  EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+}
+
+TEST(Scene, ReadsObjectsAndTheirMarkers) {
+  json in = two_objects();
+  in["objects"][0]["size_mm"] = 85;
+  in["objects"][0]["pose"] = {{"position_mm", {10, 20, 30}}, {"rotation_deg", {90, 0, 90}}};
+  const Scene scene = parse_scene(in.dump(), "rooms/scene.json");
+  ASSERT_EQ(scene.objects.size(), 2u);
+  ASSERT_EQ(scene.markers.size(), 2u);
+  EXPECT_EQ(scene.markers[1].id, 4);
+  EXPECT_DOUBLE_EQ(scene.markers[0].size_m, 0.07);
+  EXPECT_FALSE(scene.markers[0].T_world_marker);
+  const SceneObject& a = scene.objects[0];
+  EXPECT_EQ(a.model, "teapot");
+  EXPECT_DOUBLE_EQ(a.size_m, 0.085);
+  EXPECT_TRUE(a.colour.isApprox(Eigen::Vector3f(1, 128 / 255.0f, 0), 1e-5f));
+  EXPECT_EQ(scene.objects[1].model, "rooms/shelf/cup.obj");
+  // About x first: y goes to z. Then about z, which leaves it there; and x goes to y.
+  EXPECT_TRUE((a.T_marker_object.linear() * Eigen::Vector3d::UnitY())
+                  .isApprox(Eigen::Vector3d::UnitZ(), 1e-9));
+  EXPECT_TRUE((a.T_marker_object.linear() * Eigen::Vector3d::UnitX())
+                  .isApprox(Eigen::Vector3d::UnitY(), 1e-9));
+  EXPECT_TRUE(a.T_marker_object.translation().isApprox(Eigen::Vector3d(0.01, 0.02, 0.03), 1e-12));
+}
+
+TEST(Scene, MarkersOrABoardDefineTheWorld) {
+  json in = two_objects();
+  in["world"] = {{"markers", {marker(3), marker(4)}}};
+  in["world"]["markers"][1]["pose"] = {{"position_mm", {200, 0, 0}}};
+  in["objects"][1].erase("marker");
+  const Scene several = parse_scene(in.dump(), "s.json");
+  EXPECT_EQ(several.objects[0].marker, 0);
+  EXPECT_EQ(several.objects[1].marker, -1);
+  EXPECT_DOUBLE_EQ(several.markers[1].T_world_marker->translation().x(), 0.2);
+
+  in["world"] = {{"board",
+                  {{"dictionary", "DICT_APRILTAG_36h11"},
+                   {"columns", 3},
+                   {"rows", 2},
+                   {"size_mm", 30},
+                   {"gap_mm", 10},
+                   {"id", 5}}}};
+  in["objects"][0]["marker"] = {{"dictionary", "DICT_APRILTAG_36h11"}, {"id", 10}, {"size_mm", 30}};
+  const Scene board = parse_scene(in.dump(), "s.json");
+  ASSERT_EQ(board.markers.size(), 6u);
+  EXPECT_EQ(board.objects[0].marker, 5);
+  EXPECT_TRUE(board.markers[5].T_world_marker->translation().isApprox(
+      Eigen::Vector3d(0.04, -0.02, 0), 1e-12));
+}
+
+TEST(Scene, SaysInOneLineWhatIsWrong) {
+  EXPECT_EQ(complaint(two_objects()), "");
+  EXPECT_NE(complaint(std::string("{\"objects\": [")).find("is not JSON"), std::string::npos);
+  expect_complaint(json::array(), "is not a scene");
+  expect_complaint({{"format", "handyar-hand"}}, "format");
+
+  const auto with = [](auto change) {
+    json scene = two_objects();
+    change(scene["objects"][1]);
+    return scene;
+  };
+  expect_complaint(with([](json& o) { o["marker"]["dictionary"] = "DICT_9X9"; }),
+                   "object 2: unknown marker dictionary \"DICT_9X9\"");
+  expect_complaint(with([](json& o) { o["marker"]["id"] = 3; }), "\"a\" is already on marker 3");
+  expect_complaint(with([](json& o) { o["marker"].erase("size_mm"); }), "\"size_mm\" is missing");
+  expect_complaint(with([](json& o) { o.erase("marker"); }), "\"marker\" is missing");
+  expect_complaint(with([](json& o) { o.erase("model"); }), "\"model\" is missing");
+  expect_complaint(with([](json& o) { o["colour"] = "red"; }), "#rrggbb");
+  expect_complaint(with([](json& o) { o["size_mm"] = -3; }), "size_mm");
+  expect_complaint(with([](json& o) { o["size_mm"] = "big"; }), "size_mm");
+  expect_complaint(with([](json& o) { o["pose"] = {{"position_mm", {1, 2}}}; }), "position_mm");
+  expect_complaint(with([](json& o) { o["name"] = "a"; }), "used twice");
+  expect_complaint(with([](json& o) { o = 7; }), "object 2");
+  expect_complaint({{"format", "handyar-scene"}, {"version", 1}, {"objects", json::array()}},
+                   "missing or empty");
+}
+
+}  // namespace
+}  // namespace handyar::render
