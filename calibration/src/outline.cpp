@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "hand_frame.hpp"
+#include "handyar/calibration/hand_frame.hpp"
 
 namespace handyar {
 namespace {

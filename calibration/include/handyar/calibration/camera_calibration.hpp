@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "error.hpp"
-#include "view.hpp"
+#include "handyar/calibration/error.hpp"
+#include "handyar/calibration/view.hpp"
 
 namespace handyar {
 

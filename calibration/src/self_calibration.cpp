@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "self_calibration.hpp"
+#include "handyar/calibration/self_calibration.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -9,7 +9,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "bundle.hpp"
-#include "camera_calibration.hpp"
+#include "handyar/calibration/camera_calibration.hpp"
 #include "opencv_types.hpp"
 #include "text.hpp"
 

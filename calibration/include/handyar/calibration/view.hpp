@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "board.hpp"
+#include "handyar/calibration/board.hpp"
 #include "handyar/tracker.hpp"
 
 namespace handyar {
@@ -36,6 +36,10 @@ struct Viewpoint {
 };
 Viewpoint viewpoint(const Eigen::Isometry3d& T_camera_object, const Eigen::Vector3d& centre_m,
                     const Eigen::Vector3d& normal_object, const Camera& camera);
+
+/// How far two viewpoints lie apart: a third of the picture, 20 degrees of direction or 35 % of
+/// distance count 1.
+double difference(const Viewpoint& a, const Viewpoint& b);
 
 /// The largest angle between the directions from which an object was seen (radians).
 double directions_span_rad(std::span<const Viewpoint> viewpoints);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "hand_frame.hpp"
+#include "handyar/calibration/hand_frame.hpp"
 
 #include <cmath>
 #include <complex>

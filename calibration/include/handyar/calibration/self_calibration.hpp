@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "error.hpp"
-#include "hand_frame.hpp"
-#include "view.hpp"
+#include "handyar/calibration/error.hpp"
+#include "handyar/calibration/hand_frame.hpp"
+#include "handyar/calibration/view.hpp"
 
 namespace handyar {
 

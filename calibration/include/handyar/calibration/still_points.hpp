@@ -17,8 +17,9 @@ using PixelTrack = std::vector<Eigen::Vector2d>;
 struct StillPoints {
   Eigen::Matrix3Xd p_m;                        ///< in the board frame
   std::vector<Eigen::Matrix3d> covariance_m2;  ///< of each point; empty: not estimated
-  Eigen::VectorXd median_error_m;              ///< of the measured pixels, carried to the point
-  double rms_px = 0;                           ///< of the smaller 90 % of the reprojection errors
+  Eigen::VectorXd
+      error_m;        ///< two thirds of the pixels, carried to the point, are nearer than this
+  double rms_px = 0;  ///< of the smaller 90 % of the reprojection errors
 };
 
 /// The paper's way (2.4): every pixel is carried to the plane at `height_m` above the board, and

@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "error.hpp"
-#include "hand_frame.hpp"
-#include "still_points.hpp"
-#include "view.hpp"
+#include "handyar/calibration/error.hpp"
+#include "handyar/calibration/hand_frame.hpp"
+#include "handyar/calibration/still_points.hpp"
+#include "handyar/calibration/view.hpp"
 
 namespace handyar {
 
@@ -17,6 +17,7 @@ struct HandCalibration {
   HandModel by_plane;          ///< the paper's way: at thickness_m above the board
   Eigen::Isometry3d T_board_hand = Eigen::Isometry3d::Identity();  ///< of by_triangulation
   StillPoints tips;             ///< triangulated, in the board frame
+  StillPoints plane_tips;       ///< the paper's way, in the board frame
   double height_m = 0;          ///< mean height of the tips above the board as triangulated
   double rms_difference_m = 0;  ///< between the two, in the plane of the board
   std::vector<int> views_used;  ///< indices into the views given

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "handyar/calibration/still_points.hpp"
 #include "handyar/camera.hpp"
-#include "still_points.hpp"
 
 namespace handyar {
 

@@ -1,23 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "view.hpp"
+#include "handyar/calibration/view.hpp"
 
 #include <cmath>
 #include <limits>
 
 namespace handyar {
-namespace {
-
-// A third of the picture, 20 degrees of direction and 35 % of distance count as equally different.
 double difference(const Viewpoint& a, const Viewpoint& b) {
   const double place = (a.centre - b.centre).norm() / 0.33;
   const double direction = (a.normal - b.normal).norm() / 0.35;
   const double distance = std::log(a.distance_m / b.distance_m) / 0.3;
   return std::sqrt(place * place + direction * direction + distance * distance);
 }
-
-constexpr double kSameView = 0.05;
-
-}  // namespace
 
 Viewpoint viewpoint(const Eigen::Isometry3d& T_camera_object, const Eigen::Vector3d& centre_m,
                     const Eigen::Vector3d& normal_object, const Camera& camera) {
@@ -37,6 +30,7 @@ double directions_span_rad(std::span<const Viewpoint> viewpoints) {
 }
 
 std::vector<int> choose_diverse(std::span<const Viewpoint> viewpoints, int count) {
+  constexpr double kSameView = 0.05;
   std::vector<int> chosen;
   const int n = static_cast<int>(viewpoints.size());
   if (n == 0) return chosen;

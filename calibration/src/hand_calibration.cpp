@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "hand_calibration.hpp"
+#include "handyar/calibration/hand_calibration.hpp"
 
 #include <cmath>
 #include <limits>
 
-#include "camera_calibration.hpp"
+#include "handyar/calibration/camera_calibration.hpp"
 #include "outline.hpp"
 #include "text.hpp"
 
@@ -95,10 +95,10 @@ void require_still(const StillPoints& tips, std::span<const PixelTrack> tip_trac
   constexpr double kMaxError_m = 0.003, kMaxShift_m = 0.006;
   const char* advice = "keep the hand still on the table while the camera moves";
   Eigen::Index worst = 0;
-  const double error_m = tips.median_error_m.maxCoeff(&worst);
+  const double error_m = tips.error_m.maxCoeff(&worst);
   if (error_m > kMaxError_m)
     throw CalibrationError(
-        text("the hand moved: its %s fingertip is off by %.0f mm in half of the "
+        text("the hand moved: its %s fingertip is off by %.0f mm in a third of the "
              "views: %s",
              std::string(kFingerNames[worst]).c_str(), 1000 * error_m, advice));
   const std::size_t half = poses.size() / 2;
@@ -149,10 +149,10 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
   out.T_camera_board = poses;
   out.tips = triangulate(tip_tracks, poses, camera);
   require_still(out.tips, tip_tracks, poses, camera);
-  const StillPoints plane_tips = on_plane(tip_tracks, poses, camera, thickness_m);
+  out.plane_tips = on_plane(tip_tracks, poses, camera, thickness_m);
 
   HandPoints points{.tips_m = out.tips.p_m, .has_valleys = seen_often(valley_tracks)};
-  HandPoints plane_points{.tips_m = plane_tips.p_m, .has_valleys = points.has_valleys};
+  HandPoints plane_points{.tips_m = out.plane_tips.p_m, .has_valleys = points.has_valleys};
   if (points.has_valleys) {
     points.valleys_m = triangulate(valley_tracks, poses, camera).p_m;
     plane_points.valleys_m = on_plane(valley_tracks, poses, camera, thickness_m).p_m;
@@ -161,7 +161,7 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
   out.by_triangulation = hand_model(points, out.T_board_hand);
   out.by_plane = hand_model(plane_points, hand_frame(plane_points, up));
   out.by_triangulation.rms_px = out.tips.rms_px;
-  out.by_plane.rms_px = plane_tips.rms_px;
+  out.by_plane.rms_px = out.plane_tips.rms_px;
   for (HandModel* m : {&out.by_triangulation, &out.by_plane}) {
     m->source = HandSource::checkerboard;
     m->thickness_m = thickness_m;
@@ -176,7 +176,7 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
       measure_outline(views, sights.views, poses, camera, out.T_board_hand, out.by_triangulation);
   out.height_m = -out.tips.p_m.row(2).mean();
   out.rms_difference_m =
-      std::sqrt((out.tips.p_m - plane_tips.p_m).topRows<2>().colwise().squaredNorm().mean());
+      std::sqrt((out.tips.p_m - out.plane_tips.p_m).topRows<2>().colwise().squaredNorm().mean());
   return out;
 }
 

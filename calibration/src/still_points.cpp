@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "still_points.hpp"
+#include "handyar/calibration/still_points.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -40,12 +40,12 @@ void errors(const PixelTrack& track, std::span<const Eigen::Isometry3d> poses, c
 void judge(StillPoints& points, std::span<const PixelTrack> tracks,
            std::span<const Eigen::Isometry3d> poses, const Camera& camera) {
   const int n = static_cast<int>(tracks.size());
-  points.median_error_m.resize(n);
+  points.error_m.resize(n);
   std::vector<double> all_px;
   for (int k = 0; k < n; ++k) {
     std::vector<double> m;
     errors(tracks[k], poses, camera, points.p_m.col(k), all_px, m);
-    points.median_error_m[k] = quantile(m, 0.5);
+    points.error_m[k] = quantile(m, 2.0 / 3);
   }
   std::sort(all_px.begin(), all_px.end());
   all_px.resize(all_px.size() * 9 / 10);

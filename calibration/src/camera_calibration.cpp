@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "camera_calibration.hpp"
+#include "handyar/calibration/camera_calibration.hpp"
 
 #include <array>
 #include <cmath>
@@ -119,6 +119,14 @@ std::vector<int> usable_views(std::span<const CalibrationView> views, const Boar
   return sharp;
 }
 
+void require_enough(const std::vector<int>& used) {
+  if (static_cast<int>(used.size()) >= kMinViews) return;
+  throw CalibrationError(
+      text("only %zu different views of the board, %d are needed: move the "
+           "camera around it slowly, nearer and farther",
+           used.size(), kMinViews));
+}
+
 void require_good(const CameraCalibration& c, double px_scale) {
   if (c.rms_px > 1.0 * px_scale)
     throw CalibrationError(
@@ -167,6 +175,7 @@ CameraCalibration calibrate_camera(std::span<const CalibrationView> views, const
              used.size(), kMinViews));
 
   used = leave_outliers(used, fit(views, used, board, image_size, kModels[2].flags).view_rms);
+  require_enough(used);
   const auto [f, model] = best_fit(views, used, board, image_size);
 
   CameraCalibration out;

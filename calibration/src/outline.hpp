@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "view.hpp"
+#include "handyar/calibration/view.hpp"
 
 namespace handyar {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "board.hpp"
+#include "handyar/calibration/board.hpp"
 
 #include <cstdio>
 #include <opencv2/calib3d.hpp>
