@@ -40,15 +40,14 @@ std::optional<cv::Size> parse_grid(const std::string& text) {
   return cv::Size(columns, rows);
 }
 
-std::vector<cv::Point2f> find_board(const cv::Mat& image, const Board& board) {
+std::vector<cv::Point2f> find_board(const cv::Mat& image, const Board& board, BoardSearch search) {
   const cv::Mat g = grey(image);
   std::vector<cv::Point2f> c;
   // Not findChessboardCornersSB: sixteen times slower, and its corners lean by up to a quarter of a
   // pixel on small squares, which alone moves the focal length by 1.5 %.
-  if (!cv::findChessboardCorners(
-          g, {board.columns, board.rows}, c,
-          cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK))
-    return {};
+  int flags = cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
+  if (search == BoardSearch::thorough) flags |= cv::CALIB_CB_ADAPTIVE_THRESH;
+  if (!cv::findChessboardCorners(g, {board.columns, board.rows}, c, flags)) return {};
   double nearest_px = 1e9;
   for (int j = 0; j < board.rows; ++j)
     for (int i = 0; i + 1 < board.columns; ++i) {

@@ -30,10 +30,15 @@ struct Board {
 /// "8x6" as columns and rows, each from 3 to 50; empty when the text says something else.
 std::optional<cv::Size> parse_grid(const std::string& text);
 
+/// How hard to look for a board: `quick` takes some 10 ms of a 640x480 frame whether there is one
+/// or not; `thorough` also copes with strong shadows, but takes a quarter of a second to find none.
+enum class BoardSearch : std::uint8_t { quick, thorough };
+
 /// Inner corners in a grey or BGR picture, row by row as in Board::corners_m(), sub-pixel; empty
 /// when the whole board is not in view. Turned by half a turn a board whose corner counts are both
 /// even or both odd looks the same: which end is the first is then arbitrary.
-std::vector<cv::Point2f> find_board(const cv::Mat& image, const Board& board);
+std::vector<cv::Point2f> find_board(const cv::Mat& image, const Board& board,
+                                    BoardSearch search = BoardSearch::thorough);
 
 /// Width in pixels over which the squares' edges rise from 10 % to 90 %: about 2 for a sharp
 /// picture, more when it is blurred by motion or out of focus.
@@ -41,7 +46,7 @@ double edge_width_px(const cv::Mat& image, const Board& board,
                      const std::vector<cv::Point2f>& corners_px);
 
 /// The number of inner corners of whatever checkerboard is in view, for an advice when the wanted
-/// one is not found (slow: some tenths of a second).
+/// one is not found (some 50 ms).
 std::optional<cv::Size> find_any_board(const cv::Mat& image);
 
 /// Pose of the board from its corners (paper 2.4), least squares over all of them.

@@ -13,8 +13,9 @@ namespace handyar {
 
 /// A length of the hand that a person can measure with a ruler; without one, the average adult's.
 struct KnownLength {
-  std::optional<double> span_m;         ///< thumb tip to little fingertip, fingers spread as shown
-  std::optional<double> hand_length_m;  ///< crease of the wrist to the tip of the middle finger
+  std::optional<double> span_m = {};  ///< thumb tip to little fingertip, fingers spread as shown
+  std::optional<double> hand_length_m =
+      {};  ///< crease of the wrist to the tip of the middle finger
 };
 
 struct SelfCalibration {
