@@ -170,15 +170,17 @@ double size_factor(const HandModel& hand, const KnownLength& known) {
 }
 
 void require_good(const SelfCalibration& out, const Bundle& bundle, const Camera& camera) {
-  std::vector<double> distances;
-  for (const auto& T : bundle.T_camera_body) distances.push_back(T.translation().z());
-  std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
-  const double sigma_m = bundle.sigma_px * distances[distances.size() / 2] / camera.fx_px;
-  if (sigma_m > 0.004)
-    throw CalibrationError(
-        text("the fingers did not keep their places, they are off by %.0f mm: "
-             "hold the hand stiff, fingers spread, and turn it as a whole",
-             1000 * sigma_m));
+  constexpr double kMaxError_m = 0.005;
+  for (int k = 0; k < kFingerCount; ++k) {
+    const double error_m =
+        usual_error_m(bundle.tracks[k], bundle.T_camera_body, camera, bundle.p_m.col(k));
+    if (error_m > kMaxError_m)
+      throw CalibrationError(
+          text("the fingers did not keep their places, the %s is off by %.0f mm "
+               "in a third of the views: hold the hand stiff, fingers spread, "
+               "and turn it as a whole",
+               std::string(kFingerNames[k]).c_str(), 1000 * error_m));
+  }
   if (out.turned_rad < 30 * kDegree)
     throw CalibrationError(
         text("the hand was seen from one side only, directions differ by %.0f "

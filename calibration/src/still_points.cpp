@@ -11,6 +11,7 @@ namespace {
 constexpr double kHeightSpread_m = 0.003;  // of fingertips on a table about their mean
 constexpr double kIndependentViews = 5;    // in one sweep of the camera over a hand
 constexpr double kLeastSigma_px = 0.3;
+constexpr double kUsual = 2.0 / 3;
 
 double quantile(std::vector<double> v, double q) {
   if (v.empty()) return 0;
@@ -45,7 +46,7 @@ void judge(StillPoints& points, std::span<const PixelTrack> tracks,
   for (int k = 0; k < n; ++k) {
     std::vector<double> m;
     errors(tracks[k], poses, camera, points.p_m.col(k), all_px, m);
-    points.error_m[k] = quantile(m, 2.0 / 3);
+    points.error_m[k] = quantile(m, kUsual);
   }
   std::sort(all_px.begin(), all_px.end());
   all_px.resize(all_px.size() * 9 / 10);
@@ -95,6 +96,13 @@ double step(StillPoints& points, std::span<const PixelTrack> tracks,
 }
 
 }  // namespace
+
+double usual_error_m(const PixelTrack& track, std::span<const Eigen::Isometry3d> T_camera_point,
+                     const Camera& camera, const Eigen::Vector3d& p_m) {
+  std::vector<double> px, m;
+  errors(track, T_camera_point, camera, p_m, px, m);
+  return quantile(m, kUsual);
+}
 
 Eigen::Vector3d unproject_to_plane(const Eigen::Vector2d& px,
                                    const Eigen::Isometry3d& T_camera_board, const Camera& camera,

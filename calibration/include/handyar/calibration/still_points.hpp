@@ -37,6 +37,11 @@ StillPoints on_plane(std::span<const PixelTrack> tracks,
 StillPoints triangulate(std::span<const PixelTrack> tracks,
                         std::span<const Eigen::Isometry3d> T_camera_board, const Camera& camera);
 
+/// Two thirds of a track's pixels, carried to the point at their depth, are nearer than this
+/// (metres).
+double usual_error_m(const PixelTrack& track, std::span<const Eigen::Isometry3d> T_camera_point,
+                     const Camera& camera, const Eigen::Vector3d& p_m);
+
 /// Point of the plane at `height_m` above the board that a pixel shows, in the board frame.
 Eigen::Vector3d unproject_to_plane(const Eigen::Vector2d& px,
                                    const Eigen::Isometry3d& T_camera_board, const Camera& camera,
