@@ -92,7 +92,7 @@ void draw_tips(Plane& plane, const HandModel& hand, const Placed& placed) {
   constexpr int kSteps = 48;
   for (int k = 0; k < kFingerCount; ++k) {
     const Eigen::Vector3d tip = hand.tips_m.col(k), sigma = hand.tips_sigma_m.col(k);
-    plane.dot(placed(tip), 3, kTipColour);
+    plane.dot(placed(tip), 2, kTipColour);
     plane.write(std::string(kFingerNames[k]), plane.px(placed(tip)) + cv::Point2d(12, -10), kInk);
     if (sigma.isZero()) continue;
     std::vector<Eigen::Vector2d> ellipse;

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kHeightSpread_m = 0.003;  // of fingertips on a table about their mean
 constexpr double kIndependentViews = 5;    // in one sweep of the camera over a hand
+constexpr double kTipRadius_m = 0.007;
 constexpr double kLeastSigma_px = 0.3;
 constexpr double kUsual = 2.0 / 3;
 
@@ -20,10 +21,11 @@ double quantile(std::vector<double> v, double q) {
   return v[static_cast<std::size_t>(k)];
 }
 
-// How squarely the board is looked at: cosine of the angle between its normal and the ray.
-double frontality(const Eigen::Isometry3d& T_camera_board, const Eigen::Vector3d& p_m) {
+// The end of the outline of a finger lies at the edge of its round tip as seen, so it wanders with
+// the angle between the view and the board's normal, by as much as the tip is foreshortened.
+double wander_m(const Eigen::Isometry3d& T_camera_board, const Eigen::Vector3d& p_m) {
   const Eigen::Vector3d ray = (T_camera_board * p_m).normalized();
-  return std::abs(ray.dot(T_camera_board.linear().col(2)));
+  return kTipRadius_m * (1 - std::abs(ray.dot(T_camera_board.linear().col(2))));
 }
 
 // Errors of point k in all views: pixels, and metres at the point.
@@ -73,9 +75,9 @@ double step(StillPoints& points, std::span<const PixelTrack> tracks,
       const Eigen::Vector2d r =
           tracks[k][i] - camera.project(poses[i] * points.p_m.col(k), &J_px_camera);
       const Eigen::Matrix<double, 2, 3> J = J_px_camera * poses[i].linear();
-      const double robust = 1 / (1 + r.squaredNorm() / (sigma_px * sigma_px));  // Cauchy
-      const double square = std::pow(frontality(poses[i], points.p_m.col(k)), 4);
-      const double w = counts_as * square * robust / (sigma_px * sigma_px);
+      const double wander_px = wander_m(poses[i], points.p_m.col(k)) * J_px_camera(0, 0);
+      const double variance = sigma_px * sigma_px + wander_px * wander_px;
+      const double w = counts_as / (variance + r.squaredNorm());  // Cauchy
       H.block<3, 3>(3 * k, 3 * k) += w * J.transpose() * J;
       g.segment<3>(3 * k) += w * J.transpose() * r;
     }

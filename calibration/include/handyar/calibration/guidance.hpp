@@ -22,7 +22,7 @@ class Coverage {
   static constexpr int kColumns = 8, kRows = 6;
   static constexpr int kViewsWanted = 20;      ///< different ones
   static constexpr int kSidesWanted = 4;       ///< of five
-  static constexpr double kCellsWanted = 0.5;  ///< of the picture
+  static constexpr double kCellsWanted = 0.4;  ///< of the picture
 
   Coverage(const Board& board, cv::Size image_size);
 
