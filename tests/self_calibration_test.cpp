@@ -56,7 +56,7 @@ TEST(SelfCalibrate, FindsTheShapeInExactViews) {
       self_calibrate_hand(scene.all(), scene.camera, {.span_m = scene.hand.span_m()});
   EXPECT_LT(tips_rms_mm(c.hand, scene.hand), 0.1);
   EXPECT_NEAR(c.hand.span_m(), scene.hand.span_m(), 1e-9);
-  EXPECT_FALSE(c.scale_assumed);
+  EXPECT_FALSE(c.hand.scale_assumed());
   EXPECT_EQ(c.hand.source, HandSource::self);
   EXPECT_EQ(c.hand.layout, Layout::thumb_right);
   EXPECT_TRUE(c.hand.has_valleys);
@@ -91,11 +91,11 @@ TEST(SelfCalibrate, WithoutALengthTheSizeIsTheAverageAdults) {
   const TurningHand scene;
   const auto views = scene.all();
   const SelfCalibration assumed = self_calibrate_hand(views, scene.camera);
-  EXPECT_TRUE(assumed.scale_assumed);
+  EXPECT_TRUE(assumed.hand.scale_assumed());
   EXPECT_NEAR(fit_average_hand(assumed.hand.tips_m.topRows<2>()).scale, 1, 1e-9);
   const SelfCalibration measured =
       self_calibrate_hand(views, scene.camera, {.hand_length_m = 0.200});
-  EXPECT_FALSE(measured.scale_assumed);
+  EXPECT_FALSE(measured.hand.scale_assumed());
   EXPECT_NEAR(measured.hand.span_m() / assumed.hand.span_m(), 200.0 / 187.0, 1e-9);
 }
 

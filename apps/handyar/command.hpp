@@ -20,6 +20,8 @@ struct Command {
 // One line here and one in main.cpp for each subcommand; each has its own file.
 Command add_demo(CLI::App& app);
 Command add_track(CLI::App& app);
+Command add_calibrate(CLI::App& app);
+Command add_board(CLI::App& app);
 Command add_cameras(CLI::App& app);
 
 /// Two options that contradict each other and the like: exit code 2.

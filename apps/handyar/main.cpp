@@ -38,6 +38,8 @@ int run(int argc, char** argv) {
   const Command commands[] = {
       add_demo(app),
       add_track(app),
+      add_calibrate(app),
+      add_board(app),
       add_cameras(app),
   };
   try {

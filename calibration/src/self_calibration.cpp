@@ -234,7 +234,7 @@ SelfCalibration self_calibrate_hand(std::span<const CalibrationView> views, cons
   out.hand.tips_sigma_m = factor * shape_sigma_m(bundle, T_body_hand);
   out.hand.source = HandSource::self;
   out.hand.rms_px = std::numbers::sqrt2 * bundle.sigma_px;
-  out.scale_assumed = !known.span_m && !known.hand_length_m;
+  out.hand.average_scale = !known.span_m && !known.hand_length_m;
   return out;
 }
 

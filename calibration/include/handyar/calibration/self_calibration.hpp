@@ -19,9 +19,8 @@ struct KnownLength {
 };
 
 struct SelfCalibration {
-  HandModel hand;               ///< shape from the views; its size from the known length
-  bool scale_assumed = false;   ///< no length was known: the average adult's size
-  double turned_rad = 0;        ///< largest angle between the directions the hand was seen from
+  HandModel hand;         ///< shape from the views; size from the known length or the average adult
+  double turned_rad = 0;  ///< largest angle between the directions the hand was seen from
   std::vector<int> views_used;  ///< indices into the views given
 };
 

@@ -33,7 +33,7 @@ StillPoints on_plane(std::span<const PixelTrack> tracks,
 /// The end of a finger's outline is not a fixed point of the finger: it wanders by about a
 /// millimetre with the direction of the view, alike in neighbouring views. So oblique views count
 /// less, many views count as a few independent ones, and points of a hand that lies flat are held
-/// near their common height, whatever that is, with a spread of 3 mm.
+/// near their common height, whatever that is, with a spread of 2 mm.
 StillPoints triangulate(std::span<const PixelTrack> tracks,
                         std::span<const Eigen::Isometry3d> T_camera_board, const Camera& camera);
 
