@@ -22,7 +22,8 @@ TEST(CalibrateHand, TriangulatesExactTips) {
   const HandCalibration c = calibrate_hand(scene.all(), scene.camera, scene.board);
   EXPECT_LT(tips_rms_mm(c.by_triangulation, scene.hand), 0.05);
   for (int k = 0; k < kFingerCount; ++k)
-    EXPECT_NEAR(c.by_triangulation.tips_m(2, k), scene.hand.tips_m(2, k), 0.0003);
+    EXPECT_NEAR(c.by_triangulation.tips_m(2, k), scene.hand.tips_m(2, k), 0.0006)
+        << "drawn a little towards the common height";
   EXPECT_NEAR(c.height_m, scene.height_m, 0.0002);
   EXPECT_EQ(c.by_triangulation.layout, Layout::thumb_right);
   EXPECT_EQ(c.by_triangulation.source, HandSource::checkerboard);
@@ -98,7 +99,7 @@ TEST(CalibrateHand, LeftAndRightHandsAreMirrorImages) {
   const HandModel b = calibrate_hand(right.all(), right.camera, right.board).by_triangulation;
   EXPECT_EQ(a.layout, Layout::thumb_right);
   EXPECT_EQ(b.layout, Layout::thumb_left);
-  EXPECT_LT((a.for_layout(Layout::thumb_left).tips_m - b.tips_m).norm(), 1e-4);
+  EXPECT_LT((a.for_layout(Layout::thumb_left).tips_m - b.tips_m).norm(), 5e-4);
   EXPECT_LT((b.for_layout(Layout::thumb_right).valleys_m - a.valleys_m).norm(), 1e-3);
 }
 

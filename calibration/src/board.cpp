@@ -75,8 +75,11 @@ double edge_width_px(const cv::Mat& image, const Board& board,
 std::optional<cv::Size> find_any_board(const cv::Mat& image) {
   std::vector<cv::Point2f> c;
   cv::Mat meta;
-  if (!cv::findChessboardCornersSB(grey(image), {3, 3}, c, cv::CALIB_CB_LARGER, meta)) return {};
-  return meta.size();
+  const cv::Mat g = grey(image);
+  if (!cv::findChessboardCornersSB(g, {3, 3}, c, cv::CALIB_CB_LARGER, meta)) return {};
+  // It may have found a part of a board only; the other detector wants all of it.
+  if (find_board(g, {meta.cols, meta.rows, 1.0}, BoardSearch::quick).empty()) return {};
+  return cv::Size(std::max(meta.cols, meta.rows), std::min(meta.cols, meta.rows));
 }
 
 Eigen::Isometry3d board_pose(const std::vector<cv::Point2f>& corners_px, const Board& board,

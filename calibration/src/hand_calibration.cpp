@@ -118,13 +118,13 @@ void require_still(const StillPoints& tips, std::span<const PixelTrack> tip_trac
              std::string(kFingerNames[worst]).c_str(), 1000 * shift_m, advice));
 }
 
-void require_plausible(const HandModel& hand, const Board& board) {
+void require_plausible(double span_m, const Board& board) {
   constexpr double kLeastSpan_m = 0.10, kLargestSpan_m = 0.29;
-  if (hand.span_m() >= kLeastSpan_m && hand.span_m() <= kLargestSpan_m) return;
+  if (span_m >= kLeastSpan_m && span_m <= kLargestSpan_m) return;
   throw CalibrationError(
       text("the hand would measure %.0f mm from thumb tip to little fingertip: "
            "are the board's squares really %.4g mm?",
-           1000 * hand.span_m(), 1000 * board.square_m));
+           1000 * span_m, 1000 * board.square_m));
 }
 
 bool seen_often(std::span<const PixelTrack> tracks) {
@@ -148,6 +148,7 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
   out.views_used = sights.views;
   out.T_camera_board = poses;
   out.tips = triangulate(tip_tracks, poses, camera);
+  require_plausible((out.tips.p_m.col(0) - out.tips.p_m.col(4)).norm(), board);
   require_still(out.tips, tip_tracks, poses, camera);
   out.plane_tips = on_plane(tip_tracks, poses, camera, thickness_m);
 
@@ -171,7 +172,6 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
     const Eigen::Matrix3d c = R_hand_board * out.tips.covariance_m2[k] * R_hand_board.transpose();
     out.by_triangulation.tips_sigma_m.col(k) = c.diagonal().cwiseSqrt();
   }
-  require_plausible(out.by_triangulation, board);
   out.by_triangulation.outline_m =
       measure_outline(views, sights.views, poses, camera, out.T_board_hand, out.by_triangulation);
   out.height_m = -out.tips.p_m.row(2).mean();

@@ -8,9 +8,8 @@
 namespace handyar {
 namespace {
 
-// Without the board in view, only every eighth frame is worth a thorough search.
-constexpr int kThoroughEvery = 8;
-constexpr int kLookForAnotherAt = 12;
+// Without the board in view, only every twelfth frame is worth a thorough search.
+constexpr int kThoroughEvery = 12;
 
 }  // namespace
 
@@ -32,7 +31,8 @@ std::vector<cv::Point2f> CalibrationSession::find(const cv::Mat& grey) {
   if (corners.empty() && misses_ % kThoroughEvery == 0)
     corners = find_board(grey, board_, BoardSearch::thorough);
   misses_ = corners.empty() ? misses_ + 1 : 0;
-  if (misses_ == kLookForAnotherAt && !other_board_) other_board_ = find_any_board(grey);
+  if (misses_ % kThoroughEvery == kThoroughEvery / 2 && !other_board_)
+    other_board_ = find_any_board(grey);
   return corners;
 }
 

@@ -45,8 +45,8 @@ std::vector<cv::Point2f> find_board(const cv::Mat& image, const Board& board,
 double edge_width_px(const cv::Mat& image, const Board& board,
                      const std::vector<cv::Point2f>& corners_px);
 
-/// The number of inner corners of whatever checkerboard is in view, for an advice when the wanted
-/// one is not found (some 50 ms).
+/// The number of inner corners of whatever checkerboard is in view, the larger first, for an advice
+/// when the wanted one is not found (some 50 ms).
 std::optional<cv::Size> find_any_board(const cv::Mat& image);
 
 /// Pose of the board from its corners (paper 2.4), least squares over all of them.
