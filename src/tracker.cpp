@@ -131,6 +131,7 @@ struct HandTracker::Impl {
   double tracked_s = -std::numeric_limits<double>::infinity();  // when it was last tracked
   double five_tips_s = 0;                                       // when all five tips were last seen
   int seen_frames = 0;
+  double relief_evidence = 0;    // log odds that heights are the model's, not mirrored
   float acquired_deviation = 1;  // of the search's best view of the hand that is being acquired
 };
 
@@ -142,6 +143,7 @@ void HandTracker::Impl::forget() noexcept {
   following = false;
   contour_size = 0;
   seen_frames = 0;
+  relief_evidence = 0;
   tracked_s = -std::numeric_limits<double>::infinity();
 }
 
@@ -313,10 +315,19 @@ void HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   PosePrior prior;
   if (const auto predicted = filter.predict(time_s))
     prior.prediction = PosePrediction{predicted->T_camera_hand, predicted->covariance};
-  // The other layout is the same hand's other face, heights mirrored, or the other hand: not known.
-  prior.relief_probability = found.layout == measured_layout ? 1.0 : 0.5;
-  result.raw_pose =
-      handyar::estimate_pose(observation, hand(found.layout), camera, config.pose, prior);
+  // Palm and back have heights of opposite sign. With valleys the frames tell which is seen, little
+  // by little; tips alone do not, and the model's face is the likelier one.
+  const HandModel& model = hand(found.layout);
+  prior.relief_probability = model.has_valleys ? 1 / (1 + std::exp(-relief_evidence))
+                             : found.layout == measured_layout ? 1.0
+                                                               : 0.5;
+  result.raw_pose = handyar::estimate_pose(observation, model, camera, config.pose, prior);
+  if (result.raw_pose && std::isfinite(result.raw_pose->relief_log_ratio)) {
+    // Errors of neighbouring frames are alike: each counts for a fraction.
+    constexpr double kShare = 0.1, kLimit = 6.0;
+    relief_evidence =
+        std::clamp(relief_evidence + kShare * result.raw_pose->relief_log_ratio, -kLimit, kLimit);
+  }
 }
 
 void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {

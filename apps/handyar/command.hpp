@@ -21,6 +21,8 @@ struct Command {
 Command add_demo(CLI::App& app);
 Command add_track(CLI::App& app);
 Command add_inspect(CLI::App& app);
+Command add_calibrate(CLI::App& app);
+Command add_board(CLI::App& app);
 Command add_cameras(CLI::App& app);
 Command add_evaluate(CLI::App& app);
 

@@ -39,6 +39,8 @@ int run(int argc, char** argv) {
       add_demo(app),
       add_track(app),
       add_inspect(app),
+      add_calibrate(app),
+      add_board(app),
       add_cameras(app),
       add_evaluate(app),
   };

@@ -46,8 +46,12 @@ struct HandModel {
   Eigen::Matrix<double, 3, kValleyCount> valleys_m = Eigen::Matrix<double, 3, kValleyCount>::Zero();
   std::vector<Eigen::Vector2d> outline_m;  ///< closed contour in the hand plane, wrist to wrist
 
+  bool average_scale = false;  ///< the shape was measured, the size is the average adult's
+
   /// True when the metric size was not measured on this hand.
-  bool scale_assumed() const noexcept { return source == HandSource::average_adult; }
+  bool scale_assumed() const noexcept {
+    return source == HandSource::average_adult || average_scale;
+  }
 
   /// The same hand seen in `wanted`: x is mirrored where the layouts differ.
   HandModel for_layout(Layout wanted) const;

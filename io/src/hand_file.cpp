@@ -121,6 +121,13 @@ void read_version_2(const Reader& file, HandModel& hand) {
     hand.valleys_m = file.points("valleys_m", kValleyNames);
     hand.has_valleys = true;
   }
+  if (file.has("scale")) {
+    const std::string scale = file.text("scale");
+    if (scale != "measured" && scale != "average") {
+      file.fail("scale is neither measured nor average");
+    }
+    hand.average_scale = scale == "average";
+  }
   if (!file.has("outline_m")) return;
   const Json& outline = file.field("outline_m");
   if (!outline.is_array() || outline.size() < 3 || outline.size() > kMaxOutlinePoints) {
@@ -196,7 +203,8 @@ HandModel read_hand(const std::string& path) { return parse_hand(read_text(path)
 
 std::string format_hand(const HandModel& hand) {
   const bool sigmas = !hand.tips_sigma_m.isZero(0.0);
-  const bool version_2 = sigmas || hand.has_valleys || !hand.outline_m.empty();
+  const bool version_2 =
+      sigmas || hand.has_valleys || !hand.outline_m.empty() || hand.average_scale;
   Json json;
   json["format"] = "handyar-hand";
   json["version"] = version_2 ? 2 : 1;
@@ -207,6 +215,7 @@ std::string format_hand(const HandModel& hand) {
   }
   json["rms_px"] = hand.rms_px;
   json["thickness_m"] = hand.thickness_m;
+  if (hand.average_scale) json["scale"] = "average";
   if (sigmas) json["tips_sigma_m"] = named_points(hand.tips_sigma_m, kFingerNames);
   if (hand.has_valleys) json["valleys_m"] = named_points(hand.valleys_m, kValleyNames);
   for (const Eigen::Vector2d& p : hand.outline_m) json["outline_m"].push_back({p.x(), p.y()});

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/calibration/board.hpp"
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+
+#include "command.hpp"
+#include "handyar/calibration/board_sheet.hpp"
+#include "handyar/io/error.hpp"
+#include "handyar/io/pending_file.hpp"
+
+namespace handyar::cli {
+namespace {
+
+struct BoardRun {
+  std::string out, squares = "9x7";
+  double square_mm = 25;
+};
+
+int make_board(const BoardRun& run) {
+  const auto squares = parse_grid(run.squares);
+  if (!squares || squares->width < 4 || squares->height < 4)
+    throw WrongUsage("--squares " + run.squares + " is not like 9x7, from 4x4 to 50x50");
+  const Board board{squares->width - 1, squares->height - 1, run.square_mm / 1000};
+  const std::string type = std::filesystem::path(run.out).extension().string();
+  if (type == ".pdf") {
+    io::write_text(run.out, board_pdf(board));
+  } else if (type == ".png") {
+    io::PendingFile file(run.out);
+    if (!cv::imwrite(file.path(), board_image(board)))
+      throw io::Error(run.out, "cannot be written");
+    file.commit();
+  } else {
+    throw WrongUsage("--out " + run.out + " is neither .pdf nor .png");
+  }
+  std::cout << run.out << ": use it with --board " << board.columns << "x" << board.rows
+            << " --square-mm "
+            << (type == ".pdf" ? "and the side you measure on the print"
+                               : "and the side you measure on the screen")
+            << '\n';
+  return kDone;
+}
+
+}  // namespace
+
+Command add_board(CLI::App& app) {
+  CLI::App* options = app.add_subcommand("board", "Make the checkerboard to print or to show");
+  const auto run = std::make_shared<BoardRun>();
+  options->add_option("--out", run->out, "Where to write it: .pdf in true size, or .png")
+      ->required();
+  options->add_option("--squares", run->squares, "Squares across and down")->capture_default_str();
+  options->add_option("--square-mm", run->square_mm, "Side of a square, in print")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  return {options, [run] { return make_board(*run); }};
+}
+
+}  // namespace handyar::cli

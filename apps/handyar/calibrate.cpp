@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: MIT
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+
+#include "command.hpp"
+#include "handyar/calibration/picture.hpp"
+#include "handyar/calibration/self_calibration.hpp"
+#include "handyar/calibration/session.hpp"
+#include "handyar/io/camera_file.hpp"
+#include "handyar/io/error.hpp"
+#include "handyar/io/frame_source.hpp"
+#include "handyar/io/hand_file.hpp"
+#include "handyar/io/pending_file.hpp"
+#include "handyar/render/window.hpp"
+
+namespace handyar::cli {
+namespace {
+
+constexpr const char* kNotes =
+    "The hand lies flat beside the board, back up, fingers spread, and stays still; the camera\n"
+    "moves slowly around both. --board counts inner corners: 9x7 squares have 8x6.\n"
+    "With --self there is no board: the stiff, open hand turns before a calibrated camera.\n\n"
+    "Examples:\n"
+    "  handyar board --out board.pdf\n"
+    "  handyar calibrate 0 --show --board 8x6 --square-mm 25 --camera-out camera.yml --hand-out "
+    "hand.json\n"
+    "  handyar calibrate hand.mp4 --camera camera.yml --self --span-mm 190 --hand-out hand.json";
+
+enum class HandMethod { triangulation, plane };
+
+struct CalibrateRun {
+  std::string input, camera_file, camera_out, hand_out, picture_out;
+  std::string grid;
+  double square_mm = 0, thickness_mm = 5;
+  HandMethod method = HandMethod::triangulation;
+  bool self = false, show = false;
+  double span_mm = 0, hand_length_mm = 0;  // 0: not measured
+
+  bool wants_hand() const { return !hand_out.empty() || !picture_out.empty(); }
+};
+
+Board board_of(const CalibrateRun& run) {
+  if (run.grid.empty() || run.square_mm <= 0)
+    throw WrongUsage("--board and --square-mm are needed (or --self, without a board)");
+  const auto grid = parse_grid(run.grid);
+  if (!grid) throw WrongUsage("--board " + run.grid + " is not like 8x6, from 3x3 to 50x50");
+  return {grid->width, grid->height, run.square_mm / 1000};
+}
+
+void check_usage(const CalibrateRun& run) {
+  if (run.self) {
+    if (run.camera_file.empty()) throw WrongUsage("--self needs a calibrated --camera");
+    if (!run.grid.empty()) throw WrongUsage("--self takes no --board");
+    if (run.span_mm > 0 && run.hand_length_mm > 0)
+      throw WrongUsage("--span-mm and --hand-length-mm: one of them is enough");
+  } else {
+    board_of(run);
+    if (run.span_mm > 0 || run.hand_length_mm > 0)
+      throw WrongUsage("--span-mm and --hand-length-mm belong to --self; here the board measures");
+  }
+  if (!run.camera_file.empty() && !run.camera_out.empty())
+    throw WrongUsage("--camera and --camera-out: the camera is either given or calibrated");
+  if (!run.wants_hand() && run.camera_out.empty())
+    throw WrongUsage("nothing to write: give --camera-out, --hand-out or --picture");
+  if (const auto type = std::filesystem::path(run.picture_out).extension();
+      !run.picture_out.empty() && type != ".png" && type != ".jpg")
+    throw WrongUsage("--picture " + run.picture_out + " is neither .png nor .jpg");
+  const std::string* files[] = {&run.input, &run.camera_file, &run.camera_out, &run.hand_out,
+                                &run.picture_out};
+  for (std::size_t i = 0; i < std::size(files); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (!files[i]->empty() && *files[i] == *files[j])
+        throw WrongUsage(*files[i] + " is named twice");
+}
+
+// A line that is written over, on a terminal only.
+class Progress {
+ public:
+  ~Progress() {
+    if (shown_) std::fputs("\r\033[K", stderr);
+  }
+  void show(std::size_t frames, std::int64_t of, const std::string& rest) {
+    if (!terminal_ || steady_now_s() < next_s_) return;
+    next_s_ = steady_now_s() + 0.1;
+    shown_ = true;
+    std::fprintf(stderr, "\r\033[K%zu", frames);
+    if (of > 0) std::fprintf(stderr, " of %lld", static_cast<long long>(of));
+    std::fprintf(stderr, " frames, %s", rest.c_str());
+    std::fflush(stderr);
+  }
+
+ private:
+  const bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+  bool shown_ = false;
+  double next_s_ = 0;
+};
+
+// Hands every frame to `take` with what the tracker sees in it, until the input ends or `take`
+// gives false.
+template <class Take>
+void watch(io::FrameSource& source, const Camera& camera, Take take) {
+  HandTracker tracker(camera, average_adult_hand());
+  io::Frame frame;
+  catch_interrupts();
+  while (interrupt() == 0 && source.read(frame)) {
+    const TrackResult result = tracker.process(frame.view(), frame.time_s);
+    if (result.status != FrameStatus::ok)
+      throw io::Error(source.info().name, handyar::describe(result.status));
+    if (!take(frame, tracker, result)) break;
+  }
+}
+
+void write_picture(const std::string& path, const HandPicture& picture) {
+  io::PendingFile file(path);
+  if (!cv::imwrite(file.path(), draw_hand(picture))) throw io::Error(path, "cannot be written");
+  file.commit();
+}
+
+void report(const CameraCalibration& c, std::size_t frames) {
+  std::printf(
+      "camera: focal length %.1f +- %.1f px, centre (%.1f, %.1f) +- %.1f px, distortion: %s; "
+      "%.2f px rms over %zu of %zu frames\n",
+      c.camera.fx_px, c.focal_sigma_px, c.camera.cx_px, c.camera.cy_px, c.centre_sigma_px,
+      c.distortion.c_str(), c.rms_px, c.views_used.size(), frames);
+}
+
+void report(const HandCalibration& c, double thickness_mm) {
+  const HandModel& h = c.by_triangulation;
+  std::printf(
+      "hand: %.1f mm from thumb tip to little fingertip, %s, tips +- %.1f mm; %.2f px rms "
+      "over %zu frames\n",
+      1000 * h.span_m(), std::string(name(h.layout)).c_str(),
+      1000 * std::sqrt(h.tips_sigma_m.topRows<2>().array().square().mean()), h.rms_px,
+      c.views_used.size());
+  std::printf(
+      "triangulated fingertips lie %.1f mm above the board; at %.4g mm, the paper's way, "
+      "they would lie %.1f mm rms elsewhere in the plane\n",
+      1000 * c.height_m, thickness_mm, 1000 * c.rms_difference_m);
+}
+
+void report(const SelfCalibration& c) {
+  std::printf(
+      "hand: %.1f mm from thumb tip to little fingertip, %s; %.2f px rms over %zu frames, "
+      "seen from directions up to %.0f degrees apart\n",
+      1000 * c.hand.span_m(), std::string(name(c.hand.layout)).c_str(), c.hand.rms_px,
+      c.views_used.size(), c.turned_rad * 180 / CV_PI);
+  if (c.hand.average_scale)
+    std::printf(
+        "no --span-mm or --hand-length-mm: the shape is this hand's, the size the average "
+        "adult's\n");
+}
+
+int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
+                         const Camera* known_camera) {
+  const io::SourceInfo& info = source.info();
+  const Board board = board_of(run);
+  CalibrationSession session(board, {info.width_px, info.height_px});
+  std::optional<render::Window> window;
+  if (run.show) window.emplace(info.width_px, info.height_px, "handyar calibrate");
+  {
+    Progress progress;
+    watch(source,
+          known_camera ? *known_camera : Camera::from_field_of_view(info.width_px, info.height_px),
+          [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& hand) {
+            const auto& view = session.add(frame.bgr, hand, tracker.contour_px());
+            const Coverage& coverage = session.coverage();
+            progress.show(session.views().size(), info.frame_count,
+                          std::to_string(coverage.views()) + " different views, " +
+                              std::to_string(coverage.hand_views()) + " of them with the hand");
+            if (window && !window->show(draw_guidance(frame.bgr, coverage, view), 0.001))
+              return false;
+            return !(info.live && coverage.done());
+          });
+  }
+  if (interrupt() != 0 && !info.live) return 128 + interrupt();
+
+  Camera camera;
+  if (known_camera) {
+    camera = *known_camera;
+  } else {
+    const CameraCalibration c = session.camera();
+    report(c, session.views().size());
+    camera = c.camera;
+  }
+  std::optional<HandCalibration> hand;
+  if (run.wants_hand()) {
+    hand = calibrate_hand(session.views(), camera, board, run.thickness_mm / 1000);
+    report(*hand, run.thickness_mm);
+  }
+  if (!run.camera_out.empty()) io::write_camera(run.camera_out, camera);
+  if (!run.hand_out.empty())
+    io::write_hand(run.hand_out,
+                   run.method == HandMethod::plane ? hand->by_plane : hand->by_triangulation);
+  if (!run.picture_out.empty())
+    write_picture(run.picture_out,
+                  {hand->by_triangulation, board, hand->T_board_hand, hand->plane_tips.p_m});
+  return kDone;
+}
+
+int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Camera& camera) {
+  const io::SourceInfo& info = source.info();
+  std::vector<CalibrationView> views;
+  std::optional<render::Window> window;
+  if (run.show) window.emplace(info.width_px, info.height_px, "handyar calibrate");
+  int with_hand = 0;
+  {
+    Progress progress;
+    watch(source, camera,
+          [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& hand) {
+            views.push_back(hand_view(hand, tracker.contour_px()));
+            with_hand += views.back().hand_seen();
+            progress.show(views.size(), info.frame_count,
+                          std::to_string(with_hand) + " with five fingertips");
+            return !window || window->show(frame.bgr, 0.001);
+          });
+  }
+  if (interrupt() != 0 && !info.live) return 128 + interrupt();
+  KnownLength known;
+  if (run.span_mm > 0) known.span_m = run.span_mm / 1000;
+  if (run.hand_length_mm > 0) known.hand_length_m = run.hand_length_mm / 1000;
+  const SelfCalibration c = self_calibrate_hand(views, camera, known);
+  report(c);
+  if (!run.hand_out.empty()) io::write_hand(run.hand_out, c.hand);
+  if (!run.picture_out.empty()) write_picture(run.picture_out, {c.hand, {}, {}, {}});
+  return kDone;
+}
+
+int calibrate(const CalibrateRun& run) {
+  check_usage(run);
+  const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
+  const io::SourceInfo& info = source->info();
+  std::optional<Camera> camera;
+  if (!run.camera_file.empty())
+    camera = io::camera_for_size(io::read_camera(run.camera_file), info.width_px, info.height_px,
+                                 run.camera_file);
+  try {
+    return run.self ? calibrate_itself(run, *source, *camera)
+                    : calibrate_with_board(run, *source, camera ? &*camera : nullptr);
+  } catch (const CalibrationError& e) {
+    throw io::Error(info.name, e.what());
+  }
+}
+
+}  // namespace
+
+Command add_calibrate(CLI::App& app) {
+  CLI::App* options =
+      app.add_subcommand("calibrate", "Measure camera and hand, with a checkerboard or without");
+  const auto run = std::make_shared<CalibrateRun>();
+  options->add_option("INPUT", run->input, "The recording, or a camera")->required();
+  options->add_option("--board", run->grid, "Inner corners of the checkerboard, e.g. 8x6");
+  options->add_option("--square-mm", run->square_mm, "Side of its squares")
+      ->check(CLI::Range(1.0, 1000.0));
+  options->add_option("--camera-out", run->camera_out, "Write the camera (YAML)");
+  options->add_option("--hand-out", run->hand_out, "Write the hand (JSON)");
+  options->add_option("--picture", run->picture_out,
+                      "Write a picture of the result (paper Figure 5)");
+  options->add_option("--camera", run->camera_file,
+                      "Known camera (YAML): only the hand is measured");
+  options->add_option("--method", run->method, "How the hand is measured")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, HandMethod>{
+          {"triangulation", HandMethod::triangulation}, {"plane", HandMethod::plane}}))
+      ->default_str("triangulation");
+  options
+      ->add_option("--thickness-mm", run->thickness_mm,
+                   "Height of the fingertips above the board, for the paper's way")
+      ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str();
+  options->add_flag("--self", run->self, "Without a board: from the hand's own motion");
+  options
+      ->add_option("--span-mm", run->span_mm,
+                   "With --self: thumb tip to little fingertip, as spread in the recording")
+      ->check(CLI::Range(50.0, 350.0));
+  options
+      ->add_option("--hand-length-mm", run->hand_length_mm,
+                   "With --self: crease of the wrist to tip of the middle finger")
+      ->check(CLI::Range(80.0, 300.0));
+  options->add_flag("--show", run->show, "Show what is seen and what is missing; q or Esc ends");
+  options->footer(kNotes);
+  return {options, [run] { return calibrate(*run); }};
+}
+
+}  // namespace handyar::cli

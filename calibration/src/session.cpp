@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/calibration/session.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+#include "text.hpp"
+
+namespace handyar {
+namespace {
+
+// Without the board in view, only every twelfth frame is worth a thorough search.
+constexpr int kThoroughEvery = 12;
+
+}  // namespace
+
+CalibrationView hand_view(const TrackResult& hand, std::span<const Eigen::Vector2f> contour_px) {
+  CalibrationView v;
+  v.time_s = hand.time_s;
+  if (hand.state != State::acquiring && hand.state != State::tracking) return v;
+  v.tips = hand.tips;
+  v.valleys = hand.valleys;
+  v.contour_px.assign(contour_px.begin(), contour_px.end());
+  return v;
+}
+
+CalibrationSession::CalibrationSession(const Board& board, cv::Size image_size)
+    : board_(board), image_size_(image_size), coverage_(board, image_size) {}
+
+std::vector<cv::Point2f> CalibrationSession::find(const cv::Mat& grey) {
+  auto corners = find_board(grey, board_, BoardSearch::quick);
+  if (corners.empty() && misses_ % kThoroughEvery == 0)
+    corners = find_board(grey, board_, BoardSearch::thorough);
+  misses_ = corners.empty() ? misses_ + 1 : 0;
+  if (misses_ % kThoroughEvery == kThoroughEvery / 2 && !other_board_)
+    other_board_ = find_any_board(grey);
+  return corners;
+}
+
+const CalibrationView& CalibrationSession::add(const cv::Mat& bgr, const TrackResult& hand,
+                                               std::span<const Eigen::Vector2f> contour_px) {
+  cv::Mat grey;
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  CalibrationView v = hand_view(hand, contour_px);
+  v.corners_px = find(grey);
+  if (v.board_seen()) v.blur_px = edge_width_px(grey, board_, v.corners_px);
+  coverage_.add(v);
+  views_.push_back(std::move(v));
+  return views_.back();
+}
+
+CameraCalibration CalibrationSession::camera() const {
+  try {
+    return calibrate_camera(views_, board_, image_size_);
+  } catch (const CalibrationError& e) {
+    const bool never =
+        std::none_of(views_.begin(), views_.end(), [](const auto& v) { return v.board_seen(); });
+    if (!never || !other_board_) throw;
+    throw CalibrationError(
+        text("there is no board of %dx%d inner corners, but one of %dx%d: count "
+             "the corners where four squares meet, not the squares",
+             board_.columns, board_.rows, other_board_->width, other_board_->height));
+  }
+}
+
+}  // namespace handyar
