@@ -10,12 +10,14 @@ namespace handyar {
 namespace {
 
 constexpr int kMaxRuns = 1 << 15;  // a region of noise has more; it is no hand
+constexpr int kMaxThinRadius = 8;
 
 }  // namespace
 
 void RegionFinder::reserve(int max_pixels) {
   // The border of the longest thin mask costs at most as much again as its pixels.
   mask_.pixels.resize(static_cast<std::size_t>(max_pixels) + 4 * 4098 + 4);
+  opened_.resize(mask_.pixels.size() + 4 * (kMaxThinRadius + 1) * 4100);
   runs_.resize(kMaxRuns);
   totals_.resize(kMaxRuns);
   for (auto& row : rows_) row.resize(4098);
@@ -63,6 +65,40 @@ void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> 
     std::uint8_t* to = mask_.row(v);
     for (int u = 0; u < w; ++u) to[u] = above[u] + at[u] + below[u] > threshold_of_sum ? 255 : 0;
   }
+}
+
+void RegionFinder::remove_thin(int radius) noexcept {
+  radius = std::min(radius, kMaxThinRadius);
+  if (radius < 1 || mask_.height == 0) return;
+  const std::ptrdiff_t stride = mask_.stride(), count = stride * (mask_.height + 2);
+  // With its border of zeros the mask is one long row: a shift by one pixel or by one row is a
+  // shift of the whole, and windows grow by doubling.
+  const std::ptrdiff_t reach = (2 * radius + 3) * (stride + 1);
+  std::uint8_t* const at = opened_.data() + reach;
+  std::fill_n(opened_.data(), reach, 0);
+  std::copy_n(mask_.pixels.data(), count, at);
+  std::fill_n(at + count, reach, 0);
+  const auto widen = [](std::uint8_t* p, std::ptrdiff_t n, std::ptrdiff_t step, int window,
+                        auto combine) {
+    int covered = 1;
+    while (covered < window) {
+      const int by = std::min(covered, window - covered);
+      const std::uint8_t* ahead = p + by * step;
+      for (std::ptrdiff_t i = 0; i < n; ++i) p[i] = combine(p[i], ahead[i]);
+      covered += by;
+    }
+  };
+  const auto both = [](std::uint8_t a, std::uint8_t b) { return std::uint8_t(a & b); };
+  const auto either = [](std::uint8_t a, std::uint8_t b) { return std::uint8_t(a | b); };
+  const int eroded = 2 * radius + 1, grown = eroded + 2;
+  widen(at, count, 1, eroded, both);
+  widen(at, count, stride, eroded, both);
+  std::uint8_t* const from = at - reach + (stride + 1);  // windows begin before the first pixel
+  const std::ptrdiff_t all = count + reach - (stride + 1);
+  widen(from, all, 1, grown, either);
+  widen(from, all, stride, grown, either);
+  const std::uint8_t* opened = at - (2 * radius + 1) * (stride + 1);
+  for (std::ptrdiff_t i = 0; i < count; ++i) mask_.pixels[i] &= opened[i];
 }
 
 std::int32_t RegionFinder::root(std::int32_t run) noexcept {

@@ -182,6 +182,7 @@ void HandSearch::read_patch(const BinImage& image, int patch) noexcept {
 void HandSearch::classify(const BinImage& image, const Reading& reading) noexcept {
   if (reading.patch >= 0) read_patch(image, reading.patch);
   region_.classify(image, channels_[reading.channel], reading.threshold, false);
+  region_.remove_thin(1);
 }
 
 bool HandSearch::try_reading(const BinImage& image, const Reading& reading, HandShape& best,

@@ -37,7 +37,8 @@ Eigen::Matrix<double, 2, kFingerCount> knuckles_m(const HandModel& hand) {
 
 std::optional<PosePoints> pose_points(const HandObservation& observation, const HandModel& hand,
                                       const PoseConfig& config) {
-  const bool articulated = config.method == PoseMethod::points;
+  // Five tips alone cannot tell a turned finger from a turned hand.
+  const bool articulated = config.method == PoseMethod::points && hand.has_valleys;
   const double towards_thumb = hand.layout == Layout::thumb_right ? 1.0 : -1.0;
   const Eigen::Matrix<double, 2, kFingerCount> knuckles = knuckles_m(hand);
   const double spread_sigma_rad = articulated ? config.spread_sigma_rad : 0.0;

@@ -111,16 +111,15 @@ void SkinModel::learn(std::span<const ColorBin> hand,
 }
 
 void SkinModel::rebuild() noexcept {
-  const float weight = static_cast<float>(config_.learned_weight);
   float hand_scale = 0, background_scale = 0, hand_prior = 1, background_prior = 1;
-  const auto mix = [&](Histogram& h, float& scale, float& prior) {
+  const auto mix = [&](Histogram& h, double prior_weight, float& scale, float& prior) {
     if (h.total < 1) return;
     smooth_histogram(h.count, scratch_, h.smooth);
-    scale = weight / h.total;
-    prior = 1 - weight;
+    prior = static_cast<float>(prior_weight);
+    scale = (1 - prior) / h.total;
   };
-  mix(hand_, hand_scale, hand_prior);
-  mix(background_, background_scale, background_prior);
+  mix(hand_, config_.hand_prior_weight, hand_scale, hand_prior);
+  mix(background_, config_.background_prior_weight, background_scale, background_prior);
   const float limit = 32;
   for (int i = 0; i < kBinCount; ++i) {
     const float hand = hand_scale * hand_.smooth[i] + hand_prior * prior_skin_probability_[i];

@@ -56,6 +56,7 @@ struct HandTracker::Impl {
       : config(cfg),
         calibrated_camera(c),
         camera(c),
+        measured_layout(hand.layout),
         hands{hand.for_layout(Layout::thumb_right), hand.for_layout(Layout::thumb_left)},
         skin(cfg.skin),
         trusted_skin(cfg.skin),
@@ -99,7 +100,8 @@ struct HandTracker::Impl {
 
   Config config;
   Camera calibrated_camera, camera;  // as given; at the size of the frames
-  HandModel hands[2];                // one per layout
+  Layout measured_layout;
+  HandModel hands[2];  // one per layout
   int width_px = 0, height_px = 0;
   ColorSpace space = ColorSpace::rgb;
 
@@ -130,7 +132,6 @@ struct HandTracker::Impl {
   double five_tips_s = 0;                                       // when all five tips were last seen
   int seen_frames = 0;
   float acquired_deviation = 1;  // of the search's best view of the hand that is being acquired
-  double relief_log_ratio = 0;   // evidence that heights are the model's, not mirrored
 };
 
 void HandTracker::Impl::forget() noexcept {
@@ -141,7 +142,6 @@ void HandTracker::Impl::forget() noexcept {
   following = false;
   contour_size = 0;
   seen_frames = 0;
-  relief_log_ratio = 0;
   tracked_s = -std::numeric_limits<double>::infinity();
 }
 
@@ -208,8 +208,9 @@ bool HandTracker::Impl::segment(const ImageView& frame) noexcept {
   read_bins(frame, region_of_interest(dt), config.half_resolution ? 2 : 1, bins);
   if (bins.width < 16 || bins.height < 16) return false;
   region.classify(bins, skin.ratios(), 0, true);
-  if (region.components(bins.width * bins.height / 50).empty()) return false;
   const HandShape before = to_mask(shape);
+  region.remove_thin(std::max(1, static_cast<int>(0.14f * before.finger_width + 0.5f)));
+  if (region.components(bins.width * bins.height / 50).empty()) return false;
   const Eigen::Vector2f at =
       before.palm() + static_cast<float>(dt) / static_cast<float>(bins.step_px) * velocity_px_s;
   const Component* holder = region.component_at(int(at.x()), int(at.y()));
@@ -312,11 +313,10 @@ void HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   PosePrior prior;
   if (const auto predicted = filter.predict(time_s))
     prior.prediction = PosePrediction{predicted->T_camera_hand, predicted->covariance};
-  prior.relief_probability = 1 / (1 + std::exp(-relief_log_ratio));
+  // The other layout is the same hand's other face, heights mirrored, or the other hand: not known.
+  prior.relief_probability = found.layout == measured_layout ? 1.0 : 0.5;
   result.raw_pose =
       handyar::estimate_pose(observation, hand(found.layout), camera, config.pose, prior);
-  if (result.raw_pose)
-    relief_log_ratio = std::clamp(relief_log_ratio + result.raw_pose->relief_log_ratio, -8.0, 8.0);
 }
 
 void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {

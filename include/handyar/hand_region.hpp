@@ -49,6 +49,10 @@ class RegionFinder {
   void classify(const BinImage& image, std::span<const std::int8_t> ratios, int threshold,
                 bool smooth) noexcept;
 
+  /// Removes what is thinner than 2 * radius + 1 pixels (lines, specks, frayed edges) and leaves
+  /// the rest as it is: the opening by a square, grown back by one pixel more inside the mask.
+  void remove_thin(int radius) noexcept;
+
   /// Finds the components of at least `min_area` pixels, largest first, at most kMaxComponents.
   std::span<const Component> components(int min_area) noexcept;
 
@@ -78,6 +82,7 @@ class RegionFinder {
   Component components_[kMaxComponents];
   int component_count_ = 0;
   std::vector<std::uint16_t> distance_;
+  std::vector<std::uint8_t> opened_;
 };
 
 }  // namespace handyar

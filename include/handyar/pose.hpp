@@ -19,6 +19,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 enum class PoseMethod : std::uint8_t {
   tips,   ///< the fingertips, as a rigid body (the paper)
   points  ///< tips and valleys; each finger may have turned in the hand plane since calibration
+          ///< (as `tips` for hand models without valleys)
 };
 
 /// What is not known of a hand, as standard deviations.

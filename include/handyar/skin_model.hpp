@@ -11,8 +11,11 @@
 namespace handyar {
 
 struct SkinModelConfig {
-  int learn_frames = 5;         ///< frames over which learned histograms are accumulated (paper: n)
-  double learned_weight = 0.9;  ///< of the learned histograms against the prior, once they are full
+  int learn_frames = 5;  ///< frames over which learned histograms are accumulated (paper: n)
+  /// Weight of the prior against what was learned. Less for the hand than for the background:
+  /// colours that were seen on neither are rather background.
+  double hand_prior_weight = 0.03;
+  double background_prior_weight = 0.2;
 };
 
 /// Adaptive skin model (paper 2.1): for each colour bin the log likelihood ratio of hand against
