@@ -137,7 +137,9 @@ struct HandTracker::Impl {
 void HandTracker::Impl::forget() noexcept {
   skin.reset(space);
   trusted_skin.reset(space);
+  search.reset();
   filter.reset();
+  time_s = -std::numeric_limits<double>::infinity();
   state = State::searching;
   following = false;
   contour_size = 0;
