@@ -279,6 +279,14 @@ bool HandTracker::Impl::match(bool anew) noexcept {
   const bool accepted = fit_hand_shape(limits, found);
   promising = found.deviation < config.search.max_deviation;
   if (!accepted) return false;
+  // A hand that has turned over meanwhile can pass for a distorted one of the old layout.
+  if (matched == kFingerCount) {
+    HandShape turned = found;
+    turned.layout = opposite(found.layout);
+    std::ranges::reverse(turned.tips);
+    std::ranges::reverse(turned.valleys);
+    if (fit_hand_shape(limits, turned) && turned.deviation < 0.7f * found.deviation) return false;
+  }
   // A tip that was missed stays where the shape puts it, for the next frame's matching.
   const Eigen::Vector2f moved = found.palm() - before.palm();
   for (int f = 0; f < kFingerCount; ++f)
