@@ -202,11 +202,18 @@ Disc RegionFinder::deepest(const Component& c) noexcept {
   const int w = (c.u1 - c.u0) / step + 1, h = (c.v1 - c.v0) / step + 1, stride = w + 2;
   std::uint16_t* d = distance_.data();
   std::fill(d, d + static_cast<std::ptrdiff_t>(stride) * (h + 2), 0);
+  // Other components may reach into the box: only this one's runs count. Its label is its first.
+  for (int i = c.label; i < run_count_ && runs_[i].v <= c.v1; ++i) {
+    const Run& r = runs_[i];
+    if ((r.v - c.v0) % step != 0 || root(i) != c.label) continue;
+    const int first = (r.u0 - c.u0 + step - 1) / step, last = (r.u1 - 1 - c.u0) / step;
+    std::uint16_t* row = d + ((r.v - c.v0) / step + 1) * stride + 1;
+    for (int u = first; u <= last; ++u) row[u] = 1;
+  }
   for (int v = 0; v < h; ++v) {
-    const std::uint8_t* row = mask_.row(c.v0 + v * step);
     std::uint16_t* at = d + (v + 1) * stride + 1;
     for (int u = 0; u < w; ++u, ++at) {
-      if (row[c.u0 + u * step] == 0) continue;
+      if (*at == 0) continue;
       const int nearest =
           std::min({at[-1] + 3, at[-stride] + 3, at[-stride - 1] + 4, at[-stride + 1] + 4});
       *at = static_cast<std::uint16_t>(nearest);

@@ -138,7 +138,9 @@ struct HandTracker::Impl {
 void HandTracker::Impl::forget() noexcept {
   skin.reset(space);
   trusted_skin.reset(space);
+  search.reset();
   filter.reset();
+  time_s = -std::numeric_limits<double>::infinity();
   state = State::searching;
   following = false;
   contour_size = 0;
@@ -279,6 +281,14 @@ bool HandTracker::Impl::match(bool anew) noexcept {
   const bool accepted = fit_hand_shape(limits, found);
   promising = found.deviation < config.search.max_deviation;
   if (!accepted) return false;
+  // A hand that has turned over meanwhile can pass for a distorted one of the old layout.
+  if (matched == kFingerCount) {
+    HandShape turned = found;
+    turned.layout = opposite(found.layout);
+    std::ranges::reverse(turned.tips);
+    std::ranges::reverse(turned.valleys);
+    if (fit_hand_shape(limits, turned) && turned.deviation < 0.7f * found.deviation) return false;
+  }
   // A tip that was missed stays where the shape puts it, for the next frame's matching.
   const Eigen::Vector2f moved = found.palm() - before.palm();
   for (int f = 0; f < kFingerCount; ++f)

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// Its own program: it counts every allocation of the process.
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "hand_film.hpp"
+
+namespace {
+std::atomic<int> allocations = 0;
+}
+
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/allocator_interface.h>
+namespace {
+const int kInstalled = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
+}
+#elif defined(__GLIBC__)
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+void* malloc(std::size_t n) noexcept {
+  ++allocations;
+  return __libc_malloc(n);
+}
+void* calloc(std::size_t n, std::size_t size) noexcept {
+  ++allocations;
+  return __libc_calloc(n, size);
+}
+void* realloc(void* p, std::size_t n) noexcept {
+  ++allocations;
+  return __libc_realloc(p, n);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t n) noexcept {
+  ++allocations;
+  return __libc_memalign(alignment, n);
+}
+}
+#else
+#define HANDYAR_CANNOT_COUNT
+#endif
+
+namespace handyar {
+namespace {
+
+using test::Film;
+using test::Picture;
+
+/// Allocations of `frames` further calls of process().
+int count(Film& film, int frames) {
+  int total = 0;
+  for (int i = 0; i < frames; ++i) {
+    film.time_s += 1 / film.fps;
+    ++film.frame;
+    film.T_camera_hand = film.pose_at(film.time_s);
+    const Picture picture = film.picture();
+    const ImageView view = picture.view();
+    const int before = allocations;
+    film.result = film.tracker.process(view, film.time_s);
+    film.tracker.predict(film.time_s + 0.02);
+    film.tracker.contour_px();
+    film.tracker.mask();
+    total += allocations - before;
+  }
+  return total;
+}
+
+class Allocations : public testing::TestWithParam<bool> {
+ protected:
+  void SetUp() override {
+#if defined(HANDYAR_CANNOT_COUNT)
+    GTEST_SKIP() << "no way to count allocations here";
+#endif
+  }
+  static Config config() {
+    Config c;
+    c.half_resolution = GetParam();
+    return c;
+  }
+};
+
+TEST_P(Allocations, AreCounted) {
+  const int before = allocations;
+  const Picture picture(160, 120);
+  EXPECT_GT(allocations, before);
+}
+
+TEST_P(Allocations, NoneAfterTheFirstFrame) {
+  Film film(config());
+  film.textured = true;
+  EXPECT_GT(count(film, 1), 0);
+  EXPECT_EQ(count(film, 30), 0) << "acquiring and tracking";
+  EXPECT_EQ(film.result.state, State::tracking);
+  film.present = false;
+  EXPECT_EQ(count(film, 30), 0) << "lost, searching the whole frame";
+  EXPECT_NE(film.result.state, State::tracking);
+  film.present = true;
+  EXPECT_EQ(count(film, 20), 0) << "finding it again";
+  EXPECT_EQ(film.result.state, State::tracking);
+  film.tracker.reset();
+  film.noise = 60;
+  EXPECT_EQ(count(film, 10), 0) << "noise";
+}
+
+INSTANTIATE_TEST_SUITE_P(Resolution, Allocations, testing::Bool(),
+                         [](const auto& half) { return half.param ? "Half" : "Full"; });
+
+}  // namespace
+}  // namespace handyar

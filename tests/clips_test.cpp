@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+// The shipped clips from file to pose, against exact truth and hand-made annotations.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "handyar/io/camera_file.hpp"
+#include "handyar/io/frame_source.hpp"
+#include "handyar/io/hand_file.hpp"
+#include "handyar/tracker.hpp"
+#include "synthetic_hand.hpp"
+
+namespace handyar {
+namespace {
+
+std::string data(const std::string& name) { return HANDYAR_DATA_DIR "/" + name; }
+
+double median(std::vector<double> x) {
+  if (x.empty()) return 1e9;
+  std::nth_element(x.begin(), x.begin() + x.size() / 2, x.end());
+  return x[x.size() / 2];
+}
+
+/// What the whole of a clip gave.
+struct Score {
+  int frames = 0, tracked = 0, wrong = 0;
+  std::vector<double> tips_px, rotation_deg, translation_mm;
+  double first_tracked_s = 1e9;
+};
+
+/// A frame is wrong when a tip is this share of the hand's span away from where it is.
+constexpr double kWrongShare = 0.15;
+
+/// Compares the tips of one tracked frame with the true ones.
+void compare(const TrackResult& r, const std::array<Eigen::Vector2d, kFingerCount>& truth,
+             Score& score) {
+  const double limit_px = kWrongShare * (truth[0] - truth[4]).norm();
+  bool wrong = false;
+  for (int f = 0; f < kFingerCount; ++f) {
+    if (!r.tips[f].seen) continue;
+    const double error_px = (r.tips[f].px - truth[f]).norm();
+    score.tips_px.push_back(error_px);
+    wrong = wrong || error_px > limit_px;
+  }
+  score.wrong += wrong;
+}
+
+/// A rendered clip with its own camera and hand.
+Score play_rendered(const std::string& name, const Config& config = {}) {
+  const auto truth = nlohmann::json::parse(std::ifstream(data(name + "/truth.json")));
+  HandTracker tracker(io::read_camera(data(name + "/camera.yml")),
+                      io::read_hand(data(name + "/hand.json")), config);
+  const auto source = io::open_input(data(name + "/video.mp4"));
+  Score score;
+  io::Frame frame;
+  while (source->read(frame)) {
+    const auto& t = truth["frames"][static_cast<std::size_t>(frame.index)];
+    const TrackResult r = tracker.process(frame.view(), frame.time_s);
+    ++score.frames;
+    if (r.state != State::tracking) continue;
+    ++score.tracked;
+    score.first_tracked_s = std::min(score.first_tracked_s, frame.time_s);
+    std::array<Eigen::Vector2d, kFingerCount> tips;
+    for (int f = 0; f < kFingerCount; ++f)
+      for (const int k : {0, 1}) tips[f][k] = t["tips_px"][f][k];
+    compare(r, tips, score);
+    if (!r.pose) continue;
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    for (int i = 0; i < 3; ++i) {
+      T.translation()[i] = t["t_hand_to_cam_mm"][i].get<double>() / 1000;
+      for (int j = 0; j < 3; ++j) T.linear()(i, j) = t["R_hand_to_cam"][i][j];
+    }
+    const Eigen::Isometry3d& pose = r.pose->T_camera_hand;
+    score.rotation_deg.push_back(test::rotation_error_rad(T, pose) / test::deg(1));
+    score.translation_mm.push_back(1000 * test::translation_error_m(T, pose));
+  }
+  return score;
+}
+
+void report(const Score& s) {
+  std::ostringstream line;
+  line << s.tracked << " of " << s.frames << " frames tracked, " << s.wrong << " wrong, median "
+       << median(s.tips_px) << " px, " << median(s.rotation_deg) << " deg, "
+       << median(s.translation_mm) << " mm";
+  testing::Test::RecordProperty("score", line.str());
+  SUCCEED() << line.str();
+}
+
+TEST(Clips, SampleOfAHandInTheAir) {
+  const Score s = play_rendered("sample");
+  report(s);
+  ASSERT_EQ(s.frames, 200);
+  EXPECT_LT(s.first_tracked_s, 0.5);
+  EXPECT_GE(s.tracked, 180);
+  EXPECT_EQ(s.wrong, 0);
+  EXPECT_LT(median(s.tips_px), 2);
+  EXPECT_LT(median(s.rotation_deg), 3);
+  EXPECT_LT(median(s.translation_mm), 5);
+}
+
+TEST(Clips, CompareBesideMarkers) {
+  const Score s = play_rendered("compare");
+  report(s);
+  ASSERT_EQ(s.frames, 90);
+  EXPECT_LT(s.first_tracked_s, 0.5);
+  EXPECT_GE(s.tracked, 76);
+  EXPECT_EQ(s.wrong, 0);
+  EXPECT_LT(median(s.tips_px), 2);
+  EXPECT_LT(median(s.rotation_deg), 3);
+  EXPECT_LT(median(s.translation_mm), 5);
+}
+
+TEST(Clips, SampleAtHalfResolution) {
+  Config config;
+  config.half_resolution = true;
+  const Score s = play_rendered("sample", config);
+  report(s);
+  EXPECT_GE(s.tracked, 180);
+  EXPECT_EQ(s.wrong, 0);
+  EXPECT_LT(median(s.tips_px), 3);
+}
+
+TEST(Clips, TheEllipseIsBetterThanCurvatureAlone) {
+  Config config;
+  config.fingertips.method = FingertipMethod::curvature;
+  const Score curvature = play_rendered("compare", config), ellipse = play_rendered("compare");
+  report(curvature);
+  EXPECT_EQ(curvature.wrong, 0);
+  EXPECT_LT(median(ellipse.tips_px), median(curvature.tips_px));
+}
+
+TEST(Clips, WallOfAlmostSkinColour) {
+  // Annotations by frame: tips, where inside the picture.
+  std::map<std::int64_t, std::array<Eigen::Vector2d, kFingerCount>> annotations;
+  std::ifstream csv(data("wall/fingertips.csv"));
+  std::string line, field;
+  std::getline(csv, line);
+  while (std::getline(csv, line)) {
+    std::istringstream row(line);
+    std::vector<std::string> fields;
+    while (std::getline(row, field, ',')) fields.push_back(field);
+    ASSERT_GE(fields.size(), 12u) << line;
+    auto& tips = annotations[std::stoll(fields[1])];
+    for (int f = 0; f < kFingerCount; ++f)
+      tips[f] = {std::stod(fields[2 + 2 * f]), std::stod(fields[3 + 2 * f])};
+  }
+  ASSERT_EQ(annotations.size(), 8u);
+
+  const auto source = io::open_input(data("wall/video.mp4"));
+  HandTracker tracker(Camera::from_field_of_view(source->info().width_px, source->info().height_px),
+                      average_adult_hand());
+  Score annotated, all;
+  io::Frame frame;
+  while (source->read(frame)) {
+    const TrackResult r = tracker.process(frame.view(), frame.time_s);
+    ++all.frames;
+    all.tracked += r.state == State::tracking;
+    const auto found = annotations.find(frame.index);
+    if (found == annotations.end()) continue;
+    ++annotated.frames;
+    if (r.state != State::tracking) continue;
+    ++annotated.tracked;
+    EXPECT_EQ(r.layout, Layout::thumb_left);
+    compare(r, found->second, annotated);
+  }
+  report(annotated);
+  EXPECT_EQ(annotated.frames, 8);
+  EXPECT_GE(annotated.tracked, 5);
+  EXPECT_EQ(annotated.wrong, 0);
+  EXPECT_LT(median(annotated.tips_px), 8);  // marks by hand are off by some pixels themselves
+}
+
+}  // namespace
+}  // namespace handyar

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <vector>
+
+#include "handyar/contour.hpp"
+#include "handyar/hand_region.hpp"
+
+namespace handyar::test {
+
+/// A mask drawn by a predicate over its pixels, with the stages that read it.
+struct DrawnMask {
+  /// `inside(u, v)`: whether the centre of pixel (u, v) belongs to the mask.
+  template <class Inside>
+  DrawnMask(int width, int height, const Inside& inside) {
+    BinImage image;
+    image.width = width;
+    image.height = height;
+    image.bins.reserve(static_cast<std::size_t>(width) * height);
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u) image.bins.push_back(inside(u, v) ? 1 : 0);
+    std::vector<std::int8_t> ratios(kBinCount, -1);
+    ratios[1] = 1;
+    region.reserve(width * height);
+    region.classify(image, ratios, 0, false);
+    contour.reserve(1 << 15);
+  }
+
+  /// The largest component, its contour traced; false when there is none.
+  bool trace_largest() {
+    const auto components = region.components(1);
+    if (components.empty()) return false;
+    largest = components[0];
+    return contour.trace(region.mask(), largest);
+  }
+
+  RegionFinder region;
+  Component largest;
+  Contour contour;
+};
+
+/// Signed distance of `p` to a stroke of the given radius from `a` to `b`: negative inside.
+inline double capsule_distance(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
+                               const Eigen::Vector2d& b, double radius) {
+  const Eigen::Vector2d along = b - a, d = p - a;
+  const double s = std::clamp(d.dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (d - s * along).norm() - radius;
+}
+
+}  // namespace handyar::test

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/fingertips.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "drawn_mask.hpp"
+#include "synthetic_hand.hpp"
+
+namespace handyar {
+namespace {
+
+using test::deg;
+using test::DrawnMask;
+using V = Eigen::Vector2d;
+
+constexpr int kSize = 321;
+constexpr double kPalmRadius = 45, kFingerRadius = 10, kReach = 135;
+
+/// A finger on a palm, in any direction.
+struct Finger {
+  V palm, direction;
+  V tip() const { return palm + kReach * direction; }
+  double distance(const V& p) const {
+    return std::min(
+        (p - palm).norm() - kPalmRadius,
+        test::capsule_distance(p, palm, tip() - kFingerRadius * direction, kFingerRadius));
+  }
+};
+
+template <class Shape>
+DrawnMask draw(const Shape& shape, double scale = 1) {
+  const int size = static_cast<int>(kSize * scale);
+  return DrawnMask(size, size, [&](int u, int v) { return shape.distance(V(u, v) / scale) < 0; });
+}
+
+/// Errors (px) of the measured tip over many directions and places between pixels.
+std::vector<double> tip_errors(FingertipMethod method) {
+  std::mt19937 rng = test::random_for("tip_errors");
+  std::uniform_real_distribution<double> between(0, 1);
+  std::vector<double> errors;
+  FingertipConfig config;
+  config.method = method;
+  CurvatureFinder finder(config);
+  for (int degrees = 0; degrees < 360; degrees += 11) {
+    const double angle = deg(degrees + between(rng));
+    const Finger finger{{160 + between(rng), 160 + between(rng)},
+                        {std::cos(angle), std::sin(angle)}};
+    DrawnMask drawn = draw(finger);
+    if (!drawn.trace_largest()) continue;
+    finder.find(drawn.contour, kPalmRadius);
+    if (finder.tips().size() != 1) continue;
+    const float arc = float(finder.tips()[0].sample) * finder.spacing();
+    const MeasuredTip tip = measure_tip(drawn.contour, arc, 2 * kFingerRadius, method);
+    errors.push_back((tip.at.cast<double>() - finger.tip()).norm());
+  }
+  std::ranges::sort(errors);
+  return errors;
+}
+
+TEST(Fingertips, TheEllipseMeasuresATipToAFractionOfAPixel) {
+  const auto errors = tip_errors(FingertipMethod::ellipse);
+  ASSERT_EQ(errors.size(), 33u) << "one tip on each finger";
+  RecordProperty("median_px", std::to_string(errors[errors.size() / 2]));
+  RecordProperty("largest_px", std::to_string(errors.back()));
+  EXPECT_LT(errors[errors.size() / 2], 0.5);
+  EXPECT_LT(errors.back(), 1.5);
+}
+
+TEST(Fingertips, CurvatureAloneMeasuresATipToAFewPixels) {
+  const auto errors = tip_errors(FingertipMethod::curvature);
+  ASSERT_EQ(errors.size(), 33u);
+  RecordProperty("median_px", std::to_string(errors[errors.size() / 2]));
+  RecordProperty("largest_px", std::to_string(errors.back()));
+  EXPECT_LT(errors[errors.size() / 2], 2);
+  EXPECT_LT(errors.back(), 4);
+}
+
+TEST(Fingertips, AMirroredFingerHasAMirroredTip) {
+  const Finger finger{{160, 160}, {std::cos(deg(-70)), std::sin(deg(-70))}};
+  DrawnMask one = draw(finger);
+  DrawnMask other(kSize, kSize,
+                  [&](int u, int v) { return finger.distance(V(kSize - 1 - u, v)) < 0; });
+  CurvatureFinder finder;
+  std::vector<Eigen::Vector2f> tips;
+  for (DrawnMask* m : {&one, &other}) {
+    ASSERT_TRUE(m->trace_largest());
+    finder.find(m->contour, kPalmRadius);
+    ASSERT_EQ(finder.tips().size(), 1u);
+    const float arc = float(finder.tips()[0].sample) * finder.spacing();
+    tips.push_back(measure_tip(m->contour, arc, 2 * kFingerRadius, FingertipMethod::ellipse).at);
+  }
+  EXPECT_LT((Eigen::Vector2f(kSize - 1 - tips[1].x(), tips[1].y()) - tips[0]).norm(), 1.0f);
+}
+
+/// Five fingers around a palm.
+struct Star {
+  int arms = 5;
+  V center{160, 160};
+  double distance(const V& p) const {
+    double d = 1e9;
+    for (int i = 0; i < arms; ++i) {
+      const double angle = 0.3 + 2 * std::numbers::pi * i / arms;
+      d = std::min(d, Finger{center, {std::cos(angle), std::sin(angle)}}.distance(p));
+    }
+    return d;
+  }
+};
+
+TEST(Fingertips, TipsAreFoundAtEveryScaleOfTheHand) {
+  CurvatureFinder finder;
+  for (const double scale : {0.3, 0.5, 1.0, 2.0}) {
+    const Star star;
+    DrawnMask drawn = draw(star, scale);
+    ASSERT_TRUE(drawn.trace_largest());
+    finder.find(drawn.contour, float(kPalmRadius * scale));
+    ASSERT_EQ(finder.tips().size(), 5u) << scale;
+    for (const Extremum& tip : finder.tips()) {
+      const double reach = (tip.at.cast<double>() / scale - star.center).norm();
+      EXPECT_NEAR(reach, kReach, 4 + 1 / scale) << scale;
+    }
+  }
+}
+
+TEST(Fingertips, ValleysLieBetweenTheFingersClockwise) {
+  const Star star;
+  DrawnMask drawn = draw(star);
+  ASSERT_TRUE(drawn.trace_largest());
+  CurvatureFinder finder;
+  finder.find(drawn.contour, kPalmRadius);
+  const auto tips = finder.tips();
+  ASSERT_EQ(tips.size(), 5u);
+  for (std::size_t i = 0; i < 5; ++i) {
+    const Extremum &a = tips[i], &b = tips[(i + 1) % 5];
+    const V from = a.at.cast<double>() - star.center, to = b.at.cast<double>() - star.center;
+    EXPECT_GT(from.x() * to.y() - from.y() * to.x(), 0) << "clockwise on the screen";
+    float depth = 0;
+    const V valley =
+        finder.samples()[finder.valley(a.sample, b.sample, &depth)].cast<double>() - star.center;
+    EXPECT_NEAR(valley.norm(), kPalmRadius, 3);
+    // On the palm, anywhere between the roots of the two fingers.
+    EXPECT_GT(valley.normalized().dot((from + to).normalized()), std::cos(deg(25)));
+    EXPECT_NEAR(depth, kReach * std::cos(deg(36)) - kPalmRadius, 6);
+  }
+}
+
+TEST(Fingertips, ADiscAndAValleyHaveNoTips) {
+  CurvatureFinder finder;
+  DrawnMask disc(201, 201, [](int u, int v) { return std::hypot(u - 100, v - 100) < 90; });
+  ASSERT_TRUE(disc.trace_largest());
+  finder.find(disc.contour, 90);
+  EXPECT_TRUE(finder.tips().empty());
+  // A slot as wide as a finger, cut into a disc: it turns sharply, but inwards.
+  DrawnMask slot(201, 201, [](int u, int v) {
+    return std::hypot(u - 100, v - 100) < 90 &&
+           test::capsule_distance({u, v}, {100, 80}, {100, -40}, 12) > 0;
+  });
+  ASSERT_TRUE(slot.trace_largest());
+  finder.find(slot.contour, 45);
+  for (const Extremum& tip : finder.tips()) EXPECT_LT(tip.at.y(), 40) << "only at its rims";
+}
+
+std::vector<Eigen::Vector2f> on_ellipse(const V& center, double angle, double major, double minor,
+                                        double from, double to) {
+  std::vector<Eigen::Vector2f> points;
+  const Eigen::Rotation2Dd turn(angle);
+  for (int i = 0; i <= 40; ++i) {
+    const double t = from + (to - from) * i / 40;
+    points.push_back((center + turn * V(major * std::cos(t), minor * std::sin(t))).cast<float>());
+  }
+  return points;
+}
+
+TEST(FitEllipse, IsExactOnExactPoints) {
+  for (const double angle : {0.0, 0.4, 1.2, 2.5})
+    for (const double minor : {5.0, 12.0, 29.0})
+      for (const double end : {2.5, 6.2}) {  // an arc; all around
+        Ellipse e;
+        ASSERT_TRUE(fit_ellipse(on_ellipse({300, 200}, angle, 30, minor, -2.5, end), e));
+        EXPECT_NEAR(e.major, 30, 0.05);
+        EXPECT_NEAR(e.minor, minor, 0.05);
+        EXPECT_LT((e.center - Eigen::Vector2f(300, 200)).norm(), 0.05f);
+        const V axis(std::cos(angle), std::sin(angle));
+        EXPECT_NEAR(std::abs(axis.dot(e.axis.cast<double>())), 1, 1e-3);
+      }
+}
+
+TEST(FitEllipse, OfNoisyPointsIsAboutTheSame) {
+  std::mt19937 rng = test::random_for("OfNoisyPointsIsAboutTheSame");
+  auto points = on_ellipse({50, 60}, 0.7, 30, 15, 0, 6.2);
+  for (auto& p : points)
+    p += Eigen::Vector2f(float(test::gauss(rng, 0.4)), float(test::gauss(rng, 0.4)));
+  Ellipse e;
+  ASSERT_TRUE(fit_ellipse(points, e));
+  EXPECT_NEAR(e.major, 30, 0.7);
+  EXPECT_NEAR(e.minor, 15, 0.7);
+  EXPECT_LT((e.center - Eigen::Vector2f(50, 60)).norm(), 0.5f);
+}
+
+TEST(FitEllipse, PointsThatFormNoneAreRefused) {
+  Ellipse e;
+  std::vector<Eigen::Vector2f> line, same(20, {3, 4});
+  for (int i = 0; i < 20; ++i) line.push_back({float(i), 2.0f * float(i)});
+  EXPECT_FALSE(fit_ellipse(line, e));
+  EXPECT_FALSE(fit_ellipse(same, e));
+  EXPECT_FALSE(fit_ellipse({}, e));
+  const auto few = on_ellipse({0, 0}, 0, 3, 2, 0, 6);
+  EXPECT_FALSE(fit_ellipse({few.data(), 5}, e));
+}
+
+}  // namespace
+}  // namespace handyar

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/hand_shape.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <numbers>
+
+#include "drawn_hand.hpp"
+
+namespace handyar {
+namespace {
+
+using test::deg;
+using test::DrawnHand;
+using test::DrawnMask;
+using V = Eigen::Vector2d;
+
+constexpr int kSize = 400;
+
+/// The hand as an affine camera sees it: `px_per_m` large, turned by `roll`, tilted by `tilt` about
+/// an axis in its plane.
+Eigen::Affine2d view_of(double px_per_m, double roll, double tilt = 0, double axis = 0) {
+  Eigen::Affine2d view = Eigen::Affine2d::Identity();
+  const Eigen::Rotation2Dd about(axis);
+  view.linear() = px_per_m * Eigen::Rotation2Dd(roll).toRotationMatrix() *
+                  Eigen::Scaling(1.0, -1.0) * about.toRotationMatrix() *
+                  Eigen::Scaling(1.0, std::cos(tilt)) * about.inverse().toRotationMatrix();
+  view.translation() = V(kSize / 2.0, kSize / 2.0) - view.linear() * V(0.005, -0.01);
+  return view;
+}
+
+/// What is found in a mask, as the search does it: with the deepest disc's radius and a smaller
+/// one.
+template <class Inside>
+bool find(const Inside& inside, HandShape& shape) {
+  DrawnMask drawn(kSize, kSize, inside);
+  if (!drawn.trace_largest()) return false;
+  drawn.region.keep_only(drawn.largest);
+  CurvatureFinder finder;
+  const Disc disc = drawn.region.deepest(drawn.largest);
+  for (const float scale : {1.0f, 0.6f}) {
+    finder.find(drawn.contour, scale * disc.radius);
+    if (find_hand_shape(finder, drawn.contour, drawn.region.mask(), scale * disc.radius, {}, shape))
+      return true;
+  }
+  return false;
+}
+
+bool find(const DrawnHand& hand, const Eigen::Affine2d& view, HandShape& shape) {
+  const Eigen::Affine2d hand_px = view.inverse();
+  return find([&](int u, int v) { return hand.distance_m(hand_px * V(u, v)) < 0; }, shape);
+}
+
+/// Largest distance of a tip found to its true place; also when fingers were taken for one another.
+double worst_tip_px(const HandShape& shape, const DrawnHand& hand, const Eigen::Affine2d& view) {
+  const HandModel model = average_adult_hand().for_layout(hand.layout);
+  double worst = 0;
+  for (int f = 0; f < kFingerCount; ++f) {
+    const V truth = view * model.tips_m.col(f).head<2>();
+    worst = std::max(worst, (shape.tips[f].cast<double>() - truth).norm());
+  }
+  return worst;
+}
+
+void expect_found(const DrawnHand& hand, const Eigen::Affine2d& view, double limit_px) {
+  HandShape shape;
+  ASSERT_TRUE(find(hand, view, shape));
+  EXPECT_EQ(shape.layout, hand.layout);
+  EXPECT_LT(worst_tip_px(shape, hand, view), limit_px);
+}
+
+constexpr Layout kLayouts[] = {Layout::thumb_right, Layout::thumb_left};
+
+TEST(HandShape, IsFoundPointingAnywhere) {
+  for (const Layout layout : kLayouts)
+    for (int degrees = 0; degrees < 360; degrees += 15) {
+      SCOPED_TRACE(std::string(name(layout)) + " turned by " + std::to_string(degrees));
+      DrawnHand hand;
+      hand.layout = layout;
+      expect_found(hand, view_of(1300, deg(degrees)), 6);
+    }
+}
+
+TEST(HandShape, IsFoundAtEverySize) {
+  for (const double px_per_m : {500.0, 700.0, 1000.0, 1600.0})
+    expect_found({}, view_of(px_per_m, 0.1), 5);
+}
+
+TEST(HandShape, IsFoundTilted) {
+  for (const Layout layout : kLayouts)
+    for (const double tilt : {15, 30})
+      for (int axis = 0; axis < 180; axis += 30) {
+        SCOPED_TRACE(std::to_string(tilt) + " degrees about " + std::to_string(axis));
+        DrawnHand hand;
+        hand.layout = layout;
+        expect_found(hand, view_of(1300, 0.2, deg(tilt), deg(axis)), 7);
+      }
+}
+
+TEST(HandShape, IsMostlyFoundTiltedBy45DegreesAndNeverWrongly) {
+  int found = 0;
+  for (const Layout layout : kLayouts)
+    for (int axis = 0; axis < 180; axis += 30) {
+      DrawnHand hand;
+      hand.layout = layout;
+      const Eigen::Affine2d view = view_of(1300, 0.2, deg(45), deg(axis));
+      HandShape shape;
+      if (!find(hand, view, shape)) continue;
+      ++found;
+      EXPECT_EQ(shape.layout, layout) << axis;
+      EXPECT_LT(worst_tip_px(shape, hand, view), 7) << axis;
+    }
+  EXPECT_GE(found, 11) << "of 12";
+}
+
+TEST(HandShape, IsFoundWithoutItsForearm) {
+  DrawnHand hand;
+  hand.forearm = false;
+  expect_found(hand, view_of(1300, 0.3), 6);
+}
+
+TEST(HandShape, FewerFingersAreNotFound) {
+  HandShape shape;
+  for (int folded = 0; folded < kFingerCount; ++folded) {
+    DrawnHand hand;
+    hand.fold[folded] = 1;
+    EXPECT_FALSE(find(hand, view_of(1300, 0.1), shape)) << "without " << kFingerNames[folded];
+  }
+  DrawnHand fist;
+  fist.make_fist();
+  EXPECT_FALSE(find(fist, view_of(1300, 0.1), shape));
+  DrawnHand three;
+  three.fold = {1, 0, 0, 0, 1};
+  EXPECT_FALSE(find(three, view_of(1300, 0.1), shape));
+}
+
+TEST(HandShape, OtherThingsAreNotFound) {
+  HandShape shape;
+  const V center(200, 200);
+  for (const double height : {1.0, 1.3, 1.6})
+    EXPECT_FALSE(find(
+        [&](int u, int v) { return V((u - 200) / 90.0, (v - 200) / (90 * height)).norm() < 1; },
+        shape))
+        << "a disc or a face";
+  for (const int arms : {3, 4, 5, 6, 7}) {
+    const auto star = [&](int u, int v) {
+      bool inside = (V(u, v) - center).norm() < 45;
+      for (int i = 0; i < arms; ++i) {
+        const double angle = 0.2 + 2 * std::numbers::pi * i / arms;
+        const V end = center + 140 * V(std::cos(angle), std::sin(angle));
+        inside = inside || test::capsule_distance({u, v}, center, end, 12) < 0;
+      }
+      return inside;
+    };
+    EXPECT_FALSE(find(star, shape)) << "a star with " << arms << " arms";
+  }
+  for (const int prongs : {4, 5, 6}) {
+    const auto fork = [&](int u, int v) {
+      bool inside = test::capsule_distance({u, v}, {200, 240}, {200, 390}, 15) < 0;
+      for (int i = 0; i < prongs; ++i) {
+        const double x = 200 + 32 * (i - (prongs - 1) / 2.0);
+        inside = inside || test::capsule_distance({u, v}, {x, 230}, {x, 60}, 9) < 0 ||
+                 test::capsule_distance({u, v}, {x, 230}, {200, 230}, 25) < 0;
+      }
+      return inside;
+    };
+    EXPECT_FALSE(find(fork, shape)) << "a fork with " << prongs << " prongs";
+  }
+}
+
+TEST(HandShape, MapsTheAverageHandIntoTheImage) {
+  for (const Layout layout : kLayouts) {
+    DrawnHand hand;
+    hand.layout = layout;
+    const Eigen::Affine2d view = view_of(1300, 0.4, deg(25), 1);
+    HandShape shape;
+    ASSERT_TRUE(find(hand, view, shape));
+    EXPECT_LT((shape.palm().cast<double>() - view * V(0, -0.035)).norm(), 15);
+    EXPECT_NEAR(shape.finger_width, 1300 * 0.017, 5);
+    for (int f = 0; f < kFingerCount; ++f) {
+      EXPECT_TRUE(shape.may_hold(shape.tips[f]));
+      EXPECT_TRUE(shape.bounds().contains(shape.tips[f]));
+    }
+    EXPECT_TRUE(shape.may_hold(shape.palm()));
+    EXPECT_FALSE(shape.may_hold(shape.tips[2] + 3 * (shape.tips[2] - shape.palm())));
+  }
+}
+
+TEST(HandShape, MovesAndScalesAsAWhole) {
+  HandShape shape;
+  ASSERT_TRUE(find(DrawnHand{}, view_of(1300, 0.1), shape));
+  const HandShape moved = shape.transformed(2, {10, -20});
+  const auto move = [](const Eigen::Vector2f& p) {
+    return Eigen::Vector2f(2 * p + Eigen::Vector2f(10, -20));
+  };
+  EXPECT_LT((moved.palm() - move(shape.palm())).norm(), 1e-2f);
+  EXPECT_LT((moved.tips[3] - move(shape.tips[3])).norm(), 1e-3f);
+  EXPECT_NEAR(moved.palm_radius(), 2 * shape.palm_radius(), 1e-3);
+  EXPECT_FALSE(moved.resembles(shape));
+  EXPECT_TRUE(shape.transformed(1, {5, 5}).resembles(shape));
+  HandShape other = shape;
+  other.layout = opposite(shape.layout);
+  EXPECT_FALSE(other.resembles(shape));
+}
+
+}  // namespace
+}  // namespace handyar

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "hand_film.hpp"
+
+namespace handyar {
+namespace {
+
+using test::deg;
+using test::Film;
+using test::Picture;
+
+int seen_tips(const TrackResult& r) {
+  return static_cast<int>(std::ranges::count_if(r.tips, [](const Tip& t) { return t.seen; }));
+}
+
+/// What every result must keep, whatever was seen.
+void expect_consistent(const TrackResult& r) {
+  EXPECT_EQ(r.status, FrameStatus::ok);
+  EXPECT_EQ(r.layout.has_value(), r.state == State::acquiring || r.state == State::tracking);
+  if (r.state == State::tracking) {
+    EXPECT_TRUE(r.raw_pose.has_value());
+    EXPECT_GE(seen_tips(r), 4);
+  } else {
+    EXPECT_FALSE(r.pose.has_value());
+    EXPECT_FALSE(r.raw_pose.has_value());
+  }
+  if (!r.layout) {
+    EXPECT_EQ(seen_tips(r), 0);
+  }
+}
+
+class TrackerAt : public testing::TestWithParam<int> {};
+
+TEST_P(TrackerAt, AcquiresWithinTheSameTimeAtAnyFrameRate) {
+  Film film;
+  film.fps = GetParam();
+  const double acquired_s = film.until(State::tracking, 1);
+  EXPECT_GT(acquired_s, 0.2) << "believed too soon";
+  EXPECT_LT(acquired_s, 0.42);
+  for (int i = 0; i < 10; ++i) {
+    expect_consistent(film.next());
+    EXPECT_EQ(film.result.state, State::tracking);
+    EXPECT_EQ(film.result.layout, Layout::thumb_right);
+    EXPECT_LT(film.worst_tip_px(), 4);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(FramesPerSecond, TrackerAt, testing::Values(15, 30, 60));
+
+TEST(Tracker, PoseAgainstExactTruth) {
+  Film film;
+  film.textured = true;
+  ASSERT_LT(film.until(State::tracking, 1), 1);
+  double rotation_rad = 0, translation_m = 0, tips_px = 0, mean_tips_px = 0;
+  for (int i = 0; i < 40; ++i) {
+    film.next();
+    ASSERT_TRUE(film.result.pose) << "frame " << film.frame;
+    const Eigen::Isometry3d& T = film.result.pose->T_camera_hand;
+    rotation_rad = std::max(rotation_rad, test::rotation_error_rad(film.T_camera_hand, T));
+    translation_m = std::max(translation_m, test::translation_error_m(film.T_camera_hand, T));
+    tips_px = std::max(tips_px, film.worst_tip_px());
+    mean_tips_px += film.mean_tip_px() / 40;
+  }
+  RecordProperty("rotation_deg", std::to_string(rotation_rad / deg(1)));
+  RecordProperty("translation_mm", std::to_string(1e3 * translation_m));
+  RecordProperty("tips_px", std::to_string(tips_px));
+  RecordProperty("mean_tips_px", std::to_string(mean_tips_px));
+  EXPECT_LT(rotation_rad, deg(5));
+  EXPECT_LT(translation_m, 0.009);
+  EXPECT_LT(mean_tips_px, 1.5);
+  EXPECT_LT(tips_px, 5);
+}
+
+TEST(Tracker, GoesThroughItsStates) {
+  Film film;
+  film.present = false;
+  for (int i = 0; i < 5; ++i) {
+    expect_consistent(film.next());
+    EXPECT_EQ(film.result.state, State::searching);
+  }
+  film.present = true;
+  EXPECT_LT(film.until(State::acquiring, 0.2), 0.2 + 1e-6);
+  const double first_s = film.until(State::tracking, 1);
+  ASSERT_LT(first_s, 0.5);
+  for (int i = 0; i < 20; ++i) film.next();
+  film.present = false;
+  film.next();
+  expect_consistent(film.result);
+  EXPECT_EQ(film.result.state, State::lost);
+  EXPECT_FALSE(film.tracker.predict(film.time_s + 0.01));
+  EXPECT_TRUE(film.tracker.contour_px().empty());
+  EXPECT_EQ(film.tracker.mask().width, 0);
+  for (int i = 0; i < 20; ++i) expect_consistent(film.next());
+  film.present = true;
+  const double again_s = film.until(State::tracking, 1);
+  EXPECT_LT(again_s, 0.3);
+  EXPECT_LT(again_s, first_s) << "what is known of the hand speeds it up";
+  EXPECT_LT(film.worst_tip_px(), 4);
+}
+
+TEST(Tracker, AHandGoneForLongIsSearchedForAnew) {
+  Film film;
+  ASSERT_LT(film.until(State::tracking, 1), 1);
+  film.present = false;
+  EXPECT_LT(film.until(State::searching, 4), 4);
+}
+
+TEST(Tracker, AFistIsLostAndNeverAPose) {
+  Film film;
+  ASSERT_LT(film.until(State::tracking, 1), 1);
+  for (int i = 0; i < 10; ++i) {  // the fingers fold within a third of a second
+    film.hand.fold.fill((i + 1) / 10.0);
+    film.next();
+  }
+  for (int i = 0; i < 30; ++i) {
+    expect_consistent(film.next());
+    EXPECT_EQ(film.result.state, State::lost) << "frame " << i;
+  }
+  film.hand.fold.fill(0);
+  EXPECT_LT(film.until(State::tracking, 1), 0.4);
+}
+
+TEST(Tracker, TheOtherFaceIsFoundWithTheOtherLayout) {
+  Film film;
+  ASSERT_LT(film.until(State::tracking, 1), 1);
+  film.present = false;  // edge on: nothing to see
+  for (int i = 0; i < 5; ++i) film.next();
+  film.present = true;
+  film.hand.layout = Layout::thumb_left;
+  EXPECT_LT(film.until(State::tracking, 1), 0.4);
+  for (int i = 0; i < 10; ++i) {
+    expect_consistent(film.next());
+    EXPECT_EQ(film.result.layout, Layout::thumb_left);
+    EXPECT_EQ(film.tracker.hand().layout, Layout::thumb_left);
+    EXPECT_LT(film.worst_tip_px(), 4);
+  }
+  ASSERT_TRUE(film.result.pose);
+  EXPECT_LT(test::rotation_error_rad(film.T_camera_hand, film.result.pose->T_camera_hand), deg(5));
+}
+
+TEST(Tracker, OneTipHiddenForAFewFramesKeepsThePose) {
+  for (const int finger : {1, 2, 4}) {
+    Film film;
+    ASSERT_LT(film.until(State::tracking, 1), 1);
+    for (int i = 0; i < 10; ++i) film.next();
+    film.hand.fold[finger] = 1;
+    for (int i = 0; i < 4; ++i) {
+      expect_consistent(film.next());
+      EXPECT_EQ(film.result.state, State::tracking) << finger << " frame " << i;
+      EXPECT_TRUE(film.result.pose);
+      EXPECT_FALSE(film.result.tips[finger].seen);
+      EXPECT_LT(film.worst_tip_px(), 4);
+    }
+    film.hand.fold[finger] = 0;
+    film.next();
+    film.next();
+    EXPECT_EQ(film.result.state, State::tracking);
+    EXPECT_EQ(seen_tips(film.result), 5);
+  }
+}
+
+TEST(Tracker, FourFingersForLongAreNoOutstretchedHand) {
+  Film film;
+  ASSERT_LT(film.until(State::tracking, 1), 1);
+  film.hand.fold[2] = 1;
+  EXPECT_LT(film.until(State::lost, 0.5), 0.5);
+}
+
+TEST(Tracker, ALargerObjectOfSkinColourDoesNotStealTheTrack) {
+  Film film;
+  ASSERT_LT(film.until(State::tracking, 1), 1);
+  for (int i = 0; i < 20; ++i) {
+    const double edge = 640 - 8.0 * i;  // comes in from the right, as high as the picture
+    film.extra = [edge](Picture& p) {
+      p.paint([edge](const Eigen::Vector2d& px) { return edge - px.x(); }, 1);
+    };
+    film.next();
+    ASSERT_EQ(film.result.state, State::tracking) << "edge at " << edge;
+    EXPECT_LT(film.worst_tip_px(), 4);
+  }
+}
+
+class TrackerNeverAcquires : public testing::TestWithParam<std::string> {};
+
+TEST_P(TrackerNeverAcquires, WhatIsNoOutstretchedHand) {
+  const std::string& what = GetParam();
+  Film film;
+  film.textured = true;
+  film.present = false;
+  const auto paint = [&](auto distance, test::Bgr color = test::kSkinColor) {
+    film.extra = [=](Picture& p) { p.paint(distance, 1, color); };
+  };
+  using V = Eigen::Vector2d;
+  if (what == "fist" || what == "three_fingers" || what == "four_fingers") film.present = true;
+  if (what == "fist") film.hand.make_fist();
+  if (what == "three_fingers") film.hand.fold = {1, 0, 0, 0, 1};
+  if (what == "four_fingers") film.hand.fold = {1, 0, 0, 0, 0};
+  if (what == "face")
+    paint([](const V& p) { return 90 * (V((p.x() - 320) / 90, (p.y() - 220) / 125).norm() - 1); });
+  if (what == "arm")
+    paint([](const V& p) { return test::capsule_distance(p, {0, 500}, {400, 200}, 40); });
+  if (what == "noise") film.noise = 60;
+  if (what == "comb")
+    paint([](const V& p) {
+      double d = test::capsule_distance(p, {180, 320}, {460, 320}, 30);
+      for (const int k : {0, 1, 2, 3, 4})
+        d = std::min(d,
+                     test::capsule_distance(p, {180.0 + 70 * k, 320}, {180.0 + 70 * k, 150}, 14));
+      return d;
+    });
+  for (int i = 0; i < 30; ++i) {
+    expect_consistent(film.next());
+    ASSERT_NE(film.result.state, State::tracking) << "frame " << i;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Scenes, TrackerNeverAcquires,
+                         testing::Values("empty", "fist", "three_fingers", "four_fingers", "face",
+                                         "arm", "comb", "noise"),
+                         [](const auto& scene) { return scene.param; });
+
+TEST(Tracker, AtHalfResolutionEverythingIsInInputPixels) {
+  Config config;
+  config.half_resolution = true;
+  Film film(config);
+  ASSERT_LT(film.until(State::tracking, 1), 0.5);
+  for (int i = 0; i < 10; ++i) {
+    expect_consistent(film.next());
+    ASSERT_EQ(film.result.state, State::tracking);
+    EXPECT_LT(film.worst_tip_px(), 5);
+    EXPECT_LT(test::rotation_error_rad(film.T_camera_hand, film.result.pose->T_camera_hand),
+              deg(7));
+  }
+  EXPECT_EQ(film.tracker.mask().step_px, 2);
+}
+
+TEST(Tracker, ContourAndMaskAreWhereTheHandIs) {
+  Film film;
+  ASSERT_LT(film.until(State::tracking, 1), 1);
+  const HandMask mask = film.tracker.mask();
+  ASSERT_GT(mask.width, 0);
+  const auto at = [&](const Eigen::Vector2d& px) {
+    const int u = (int(std::lround(px.x())) - mask.x0_px) / mask.step_px;
+    const int v = (int(std::lround(px.y())) - mask.y0_px) / mask.step_px;
+    return u >= 0 && v >= 0 && u < mask.width && v < mask.height &&
+           mask.data[v * mask.stride_bytes + u] != 0;
+  };
+  EXPECT_TRUE(at(film.camera.project(film.T_camera_hand * Eigen::Vector3d(0, -0.03, 0))));
+  EXPECT_FALSE(at(film.true_tip_px(2) - Eigen::Vector2d(0, 8)));
+  const auto contour = film.tracker.contour_px();
+  ASSERT_GT(contour.size(), 500u);
+  for (int f = 0; f < kFingerCount; ++f) {
+    double nearest = 1e9;
+    for (const auto& p : contour)
+      nearest = std::min(nearest, (p.cast<double>() - film.true_tip_px(f)).norm());
+    EXPECT_LT(nearest, 2.5) << kFingerNames[f];
+  }
+}
+
+TEST(Tracker, PredictsThePoseForDisplay) {
+  Film film;
+  EXPECT_FALSE(film.tracker.predict(0.01));
+  ASSERT_LT(film.until(State::tracking, 1), 1);
+  for (int i = 0; i < 30; ++i) film.next();
+  const double ahead_s = film.time_s + 0.02;
+  const auto predicted = film.tracker.predict(ahead_s);
+  ASSERT_TRUE(predicted);
+  EXPECT_DOUBLE_EQ(predicted->time_s, ahead_s);
+  const Eigen::Isometry3d truth = film.pose_at(ahead_s);
+  EXPECT_LT(test::rotation_error_rad(truth, predicted->T_camera_hand), deg(4));
+  EXPECT_LT(test::translation_error_m(truth, predicted->T_camera_hand), 0.008);
+  EXPECT_FALSE(film.tracker.predict(film.time_s + 10));
+}
+
+}  // namespace
+}  // namespace handyar
