@@ -24,6 +24,7 @@ inline ImageView view(const cv::Mat& bgr) {
   return {bgr.data, bgr.cols, bgr.rows, static_cast<std::ptrdiff_t>(bgr.step[0])};
 }
 
+/// Processor time of this thread: what others do on the machine does not count.
 double now_s();
 
 /// Median; the values are left in another order.

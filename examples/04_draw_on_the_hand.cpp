@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Draws a wire cube that stands on the palm into the clearest frame of the shipped clip:
+// Draws a wire cube that stands on the palm into the first frame of the shipped clip whose pose can
+// be trusted:
 //   04_draw_on_the_hand cube.png
 #include <array>
 #include <cstdio>
