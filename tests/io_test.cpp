@@ -452,6 +452,14 @@ TEST_F(IoTest, InputsThatAreNoneAreNamed) {
   EXPECT_NE(fault_of([] { open_input(""); }), "");
 }
 
+// On these bytes OpenCV 4.6 alone never returns (found by fuzzing).
+TEST(CameraFile, BytesBeyondAsciiEndTheReading) {
+  const std::string text =
+      "\n \xdb%YAML:1.0\n-\xa6-\nimage_width: 640\nimage_height: 480\n"
+      "camera_matrix: !!opencv\xb6:-.-mia";
+  EXPECT_NE(fault_of([&] { parse_camera(text, "c.yml"); }), "");
+}
+
 TEST(LatestFrameTest, SlowReaderGetsTheNewestFrame) {
   std::atomic<int> wanted{1}, given{0};
   LatestFrame latest([&](Frame& frame) {
