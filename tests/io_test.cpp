@@ -165,7 +165,10 @@ TEST_F(IoTest, FaultyCameraFilesAreRefusedByField) {
   }
   for (const std::string& text : std::initializer_list<std::string>{
            "", "hello", "%YAML:1.0\n---\n- a\n", "{", "\x01\x02\xff", "%YAML:1.0\n---\n   :dt ls",
-           "%YAML:1.0\n---\nimage_width: [", "<?xml version=\"1.0\"?>"}) {
+           "%YAML:1.0\n---\nimage_width: [", "<?xml version=\"1.0\"?>",
+           // found by fuzzing: OpenCV 4.6 alone never returns from this
+           "\n \xdb%YAML:1.0\n-\xa6-\nimage_width: 640\nimage_height: 480\n"
+           "camera_matrix: !!opencv\xb6:-.-mia"}) {
     EXPECT_NE(fault_of([&] { parse_camera(text, "c.yml"); }), "") << text;
   }
 }
@@ -450,14 +453,6 @@ TEST_F(IoTest, InputsThatAreNoneAreNamed) {
   EXPECT_NE(fault_of([] { open_input("/dev/video987"); }), "");
   EXPECT_NE(fault_of([] { open_input("987"); }), "");
   EXPECT_NE(fault_of([] { open_input(""); }), "");
-}
-
-// On these bytes OpenCV 4.6 alone never returns (found by fuzzing).
-TEST(CameraFile, BytesBeyondAsciiEndTheReading) {
-  const std::string text =
-      "\n \xdb%YAML:1.0\n-\xa6-\nimage_width: 640\nimage_height: 480\n"
-      "camera_matrix: !!opencv\xb6:-.-mia";
-  EXPECT_NE(fault_of([&] { parse_camera(text, "c.yml"); }), "");
 }
 
 TEST(LatestFrameTest, SlowReaderGetsTheNewestFrame) {
