@@ -24,6 +24,9 @@ class Reader {
     silence_libraries();
     std::string yaml(text);
     if (yaml.find('\0') != std::string::npos) fail("is not a camera file (YAML)");
+    // OpenCV 4.6 never returns from some bytes beyond ASCII; only names and comments have them.
+    std::ranges::replace_if(
+        yaml, [](unsigned char byte) { return byte > 127; }, '?');
     // OpenCV insists on its own first line, ROS does not write it.
     if (!yaml.starts_with("%YAML") && !yaml.starts_with("{") && !yaml.starts_with("<?xml")) {
       yaml.insert(0, "%YAML:1.0\n---\n");

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "handyar/camera.hpp"
+#include "handyar/hand_model.hpp"
+#include "handyar/image_view.hpp"
+
+namespace handyar::benchmarks {
+
+/// A shipped clip in which hand and marker are both in view, decoded beforehand: 640x480, BGR.
+struct Clip {
+  std::vector<cv::Mat> frames;
+  Camera camera;
+  HandModel hand;
+};
+const Clip& clip();
+
+inline ImageView view(const cv::Mat& bgr) {
+  return {bgr.data, bgr.cols, bgr.rows, static_cast<std::ptrdiff_t>(bgr.step[0])};
+}
+
+/// Processor time of this thread: what others do on the machine does not count.
+double now_s();
+
+/// Median; the values are left in another order.
+double median(std::vector<double>& values);
+
+void register_tracker_benchmarks();
+void register_stage_benchmarks();
+
+}  // namespace handyar::benchmarks

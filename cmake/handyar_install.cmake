@@ -1,0 +1,30 @@
+# What `cmake --install` gives to developers: the core library, its headers, and files by which
+# CMake (find_package(handyar), target handyar::core) and pkg-config (handyar) find them.
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/handyar)
+
+set_target_properties(handyar_core PROPERTIES
+  VERSION ${PROJECT_VERSION}
+  SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+  POSITION_INDEPENDENT_CODE ON)
+install(TARGETS handyar_core EXPORT handyar_targets)
+install(DIRECTORY include/handyar DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(EXPORT handyar_targets
+  NAMESPACE handyar::
+  FILE handyarTargets.cmake
+  DESTINATION ${package_dir})
+
+configure_package_config_file(cmake/handyarConfig.cmake.in handyarConfig.cmake
+  INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(handyarConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+file(RELATIVE_PATH pc_to_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+configure_file(cmake/handyar.pc.in handyar.pc @ONLY)
+
+install(FILES
+  ${CMAKE_CURRENT_BINARY_DIR}/handyarConfig.cmake
+  ${CMAKE_CURRENT_BINARY_DIR}/handyarConfigVersion.cmake
+  DESTINATION ${package_dir})
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/handyar.pc
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

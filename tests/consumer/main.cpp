@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "handyar/tracker.hpp"
+
+// Every public header of the core that the tracker does not bring along.
+#include "handyar/contour.hpp"
+#include "handyar/planar_pose.hpp"
+
+int main() {
+  handyar::HandTracker tracker(handyar::Camera::from_field_of_view(320, 240),
+                               handyar::average_adult_hand());
+  const std::vector<std::uint8_t> black(320 * 240 * 3);
+  const auto result = tracker.process({black.data(), 320, 240, 320 * 3}, 0.0);
+  std::printf("%s\n", std::string(handyar::name(result.state)).c_str());
+  return result.status == handyar::FrameStatus::ok && !result.pose ? 0 : 1;
+}
