@@ -10,5 +10,6 @@ endfunction()
 function(handyar_warnings target)
   target_compile_options(${target} PRIVATE
     $<$<CXX_COMPILER_ID:GNU,Clang>:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wno-psabi>
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # GCC 12 warns of its own std::string (PR 105651)
     $<$<BOOL:${HANDYAR_WERROR}>:-Werror>)
 endfunction()

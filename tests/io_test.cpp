@@ -166,7 +166,8 @@ TEST_F(IoTest, FaultyCameraFilesAreRefusedByField) {
   for (const std::string& text : std::initializer_list<std::string>{
            "", "hello", "%YAML:1.0\n---\n- a\n", "{", "\x01\x02\xff", "%YAML:1.0\n---\n   :dt ls",
            "%YAML:1.0\n---\nimage_width: [", "<?xml version=\"1.0\"?>",
-           // found by fuzzing: OpenCV 4.6 alone never returns from this
+           // found by fuzzing: OpenCV 4.6 alone never returns from these
+           "%YAML:1.0\n---------%YAML:1.0\n---\n--/---ig. :---a_m,", "a: 1\n-x",
            "\n \xdb%YAML:1.0\n-\xa6-\nimage_width: 640\nimage_height: 480\n"
            "camera_matrix: !!opencv\xb6:-.-mia"}) {
     EXPECT_NE(fault_of([&] { parse_camera(text, "c.yml"); }), "") << text;

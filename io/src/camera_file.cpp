@@ -17,6 +17,23 @@ namespace {
 
 constexpr int kMaxSide_px = 65536;
 
+// After the end of a document OpenCV 4.6 never returns from a line that begins with a dash. So all
+// is to be one document: keys are not indented, and no line begins with a dash but "---".
+bool has_stray_line(std::string_view yaml) {
+  bool first_key = true;
+  while (!yaml.empty()) {
+    const std::string_view line = yaml.substr(0, yaml.find('\n'));
+    yaml.remove_prefix(std::min(yaml.size(), line.size() + 1));
+    const auto start = line.find_first_not_of(" \t\r");
+    if (start == std::string_view::npos || line[start] == '#') continue;
+    if (line[0] == '-' && line.substr(0, line.find_last_not_of(" \r") + 1) != "---") return true;
+    if (line[0] == '-' || line[0] == '%') continue;
+    if (first_key && start > 0) return true;
+    first_key = false;
+  }
+  return false;
+}
+
 // A camera file being read: each getter checks what it gives.
 class Reader {
  public:
@@ -24,9 +41,7 @@ class Reader {
     silence_libraries();
     std::string yaml(text);
     if (yaml.find('\0') != std::string::npos) fail("is not a camera file (YAML)");
-    // OpenCV 4.6 never returns from some bytes beyond ASCII; only names and comments have them.
-    std::ranges::replace_if(
-        yaml, [](unsigned char byte) { return byte > 127; }, '?');
+    if (has_stray_line(yaml)) fail("is not a camera file (YAML)");
     // OpenCV insists on its own first line, ROS does not write it.
     if (!yaml.starts_with("%YAML") && !yaml.starts_with("{") && !yaml.starts_with("<?xml")) {
       yaml.insert(0, "%YAML:1.0\n---\n");
