@@ -50,7 +50,14 @@ void CurvatureFinder::find(const Contour& contour, float palm_radius) noexcept {
     bool highest = true;
     for (int k = 1; k <= reach && highest; ++k)
       highest = convexity_[i] >= convexity_[wrap(i + k)] && convexity_[i] > convexity_[wrap(i - k)];
-    if (highest) tips_[tip_count_++] = {i, samples_[i], convexity_[i]};
+    if (!highest) continue;
+    // A blunt finger is as sharp at its corners as at its end: take the middle of what is about as
+    // sharp (the paper averages likewise).
+    int before = 0, after = 0;
+    while (before < reach && convexity_[wrap(i - before - 1)] > 0.9f * convexity_[i]) ++before;
+    while (after < reach && convexity_[wrap(i + after + 1)] > 0.9f * convexity_[i]) ++after;
+    const int middle = wrap(i + (after - before) / 2);
+    tips_[tip_count_++] = {middle, samples_[middle], convexity_[i]};
   }
 }
 

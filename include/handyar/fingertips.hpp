@@ -21,7 +21,7 @@ struct FingertipConfig {
   FingertipMethod method = FingertipMethod::ellipse;
   /// Cosine between the two arms of the contour at a tip or valley, above which it counts (paper:
   /// 0.5).
-  double min_cosine = 0.4;
+  double min_cosine = 0.25;
   /// Shortest and longest arm in palm radii; a finger is about 0.42 palm radii wide.
   double min_arm = 0.5;
   double max_arm = 1.1;
