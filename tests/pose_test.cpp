@@ -351,7 +351,7 @@ TEST(Spread, IsMeasuredAndTakenOutOfThePose) {
   }
 }
 
-TEST(Spread, WithoutValleysTheCovarianceIsLarger) {
+TEST(Spread, WithoutValleysTheHandIsTakenAsRigid) {
   const HandModel hand = rendered_hand();
   const HandObservation seen =
       test::project(hand, rendered_camera(), hand_at(0.45, deg(30), deg(60)));
@@ -359,8 +359,9 @@ TEST(Spread, WithoutValleysTheCovarianceIsLarger) {
   const auto without = estimate_pose(seen, without_valleys(hand), rendered_camera());
   const auto rigid = estimate_pose(seen, without_valleys(hand), rendered_camera(), tips_config());
   ASSERT_TRUE(with && without && rigid);
-  EXPECT_GT(sigma_rotation_rad(without->covariance), 1.2 * sigma_rotation_rad(with->covariance));
-  EXPECT_GT(sigma_rotation_rad(without->covariance), 1.2 * sigma_rotation_rad(rigid->covariance));
+  EXPECT_EQ(without->covariance, rigid->covariance);
+  EXPECT_EQ(without->points_used, kFingerCount);
+  EXPECT_EQ(with->points_used, kFingerCount + kValleyCount);
 }
 
 struct Consistency {
@@ -406,8 +407,7 @@ TEST(Covariance, TellsTheTruth) {
   // Inflation by chi2 only ever enlarges, so the mean lies below 6; with 600 samples the 95 % band
   // of a perfect covariance would be 6 +- 0.28.
   for (const auto& [valleys, method] :
-       {std::pair{true, PoseMethod::points}, std::pair{false, PoseMethod::points},
-        std::pair{false, PoseMethod::tips}}) {
+       {std::pair{true, PoseMethod::points}, std::pair{false, PoseMethod::tips}}) {
     const Consistency c = consistency(valleys, method, 600, rng);
     EXPECT_GT(c.nees, 3.0) << valleys << int(method);
     EXPECT_LT(c.nees, 6.5) << valleys << int(method);
