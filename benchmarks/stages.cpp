@@ -81,7 +81,7 @@ void classify_and_label(benchmark::State& state) {
   RegionFinder region;
   region.reserve(s->bins.width * s->bins.height);
   for (auto _ : state) {
-    region.classify(s->bins, skin.ratios(), 0, true);
+    region.classify(s->bins, skin.ratios(), ExpectedRegion{});
     benchmark::DoNotOptimize(region.components(500).data());
   }
 }

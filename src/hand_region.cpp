@@ -3,46 +3,75 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <limits>
 
 namespace handyar {
 namespace {
 
 constexpr int kMaxRuns = 1 << 15;  // a region of noise has more; it is no hand
-constexpr int kMaxThinRadius = 8;
+constexpr int kMaxRadius = 8;
+constexpr int kEdgeRatio = 16;  // what a step of one level beyond the first counts against a hand
+
+/// Largest difference of a channel, in levels.
+int color_step(ColorBin p, ColorBin q) {
+  return std::max({std::abs((p >> 10) - (q >> 10)), std::abs((p >> 5 & 31) - (q >> 5 & 31)),
+                   std::abs((p & 31) - (q & 31))});
+}
+
+/// Each of `count` values becomes the combination of `window` values, `step` apart, from itself on.
+/// A mask with its border of zeros is one long row: a shift by one pixel or by one row is a shift
+/// of the whole, and windows grow by doubling.
+template <class Combine>
+void combine_window(std::uint8_t* p, std::ptrdiff_t count, std::ptrdiff_t step, int window,
+                    Combine combine) {
+  for (int covered = 1; covered < window;) {
+    const int by = std::min(covered, window - covered);
+    const std::uint8_t* ahead = p + by * step;
+    for (std::ptrdiff_t i = 0; i < count; ++i) p[i] = combine(p[i], ahead[i]);
+    covered += by;
+  }
+}
 
 }  // namespace
 
 void RegionFinder::reserve(int max_pixels) {
   // The border of the longest thin mask costs at most as much again as its pixels.
   mask_.pixels.resize(static_cast<std::size_t>(max_pixels) + 4 * 4098 + 4);
-  opened_.resize(mask_.pixels.size() + 4 * (kMaxThinRadius + 1) * 4100);
+  colored_.resize(mask_.pixels.size());
+  opened_.resize(mask_.pixels.size() + 4 * (kMaxRadius + 1) * 4100);
   runs_.resize(kMaxRuns);
   totals_.resize(kMaxRuns);
   for (auto& row : rows_) row.resize(4098);
   distance_.resize(130 * 130);  // deepest() reduces to at most 128 x 128
 }
 
-void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> ratios,
-                            int threshold, bool smooth) noexcept {
-  mask_.width = image.width;
-  mask_.height = image.height;
+void RegionFinder::resize_mask(int width, int height) noexcept {
+  mask_.width = width;
+  mask_.height = height;
   const int stride = mask_.stride();
   std::memset(mask_.pixels.data(), 0, stride);
-  std::memset(mask_.pixels.data() + static_cast<std::ptrdiff_t>(mask_.height + 1) * stride, 0,
-              stride);
+  std::memset(mask_.pixels.data() + static_cast<std::ptrdiff_t>(height + 1) * stride, 0, stride);
+  for (int v = 0; v < height; ++v) mask_.row(v)[-1] = mask_.row(v)[width] = 0;
+}
+
+void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> ratios,
+                            int threshold) noexcept {
+  resize_mask(image.width, image.height);
+  const ColorBin* bin = image.bins.data();
+  for (int v = 0; v < image.height; ++v) {
+    std::uint8_t* to = mask_.row(v);
+    for (int u = 0; u < image.width; ++u) to[u] = ratios[*bin++] > threshold ? 255 : 0;
+  }
+}
+
+void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> ratios,
+                            const ExpectedRegion& expected) noexcept {
+  resize_mask(image.width, image.height);
   const int w = image.width, h = image.height;
   const std::int8_t* table = ratios.data();
-  for (int v = 0; v < h; ++v) mask_.row(v)[-1] = mask_.row(v)[w] = 0;
-  if (!smooth) {
-    const ColorBin* bin = image.bins.data();
-    for (int v = 0; v < h; ++v) {
-      std::uint8_t* to = mask_.row(v);
-      for (int u = 0; u < w; ++u) to[u] = table[*bin++] > threshold ? 255 : 0;
-    }
-    return;
-  }
   // Sliding 3x3 sum: rows_[v % 3] holds row v summed over three columns, edges repeated.
   const auto sum_row = [&](int v) {
     std::int16_t* to = rows_[v % 3].data();
@@ -55,50 +84,73 @@ void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> 
       middle = right;
     }
   };
-  const int threshold_of_sum = 9 * threshold;
   if (h > 0) sum_row(0);
   for (int v = 0; v < h; ++v) {
     if (v + 1 < h) sum_row(v + 1);
-    const std::int16_t* above = rows_[std::max(v - 1, 0) % 3].data();
-    const std::int16_t* at = rows_[v % 3].data();
-    const std::int16_t* below = rows_[std::min(v + 1, h - 1) % 3].data();
-    std::uint8_t* to = mask_.row(v);
-    for (int u = 0; u < w; ++u) to[u] = above[u] + at[u] + below[u] > threshold_of_sum ? 255 : 0;
+    const int up = std::max(v - 1, 0), down = std::min(v + 1, h - 1);
+    const std::int16_t *above = rows_[up % 3].data(), *at = rows_[v % 3].data(),
+                       *below = rows_[down % 3].data();
+    const ColorBin* bins = image.bins.data() + static_cast<std::ptrdiff_t>(v) * w;
+    std::uint8_t *to = mask_.row(v), *colored = colored_.data() + (to - mask_.pixels.data());
+    const std::int8_t* place = expected.row(v);
+    for (int u = 0; u < w; ++place) {
+      const int end = std::min(u + expected.cell, w), limit = -9 * *place;
+      if (*place == ExpectedRegion::kInside) {
+        for (; u < end; ++u) to[u] = colored[u] = above[u] + at[u] + below[u] > limit ? 255 : 0;
+      } else if (*place == ExpectedRegion::kOutside) {
+        for (; u < end; ++u) to[u] = colored[u] = 0;
+      } else {
+        for (; u < end; ++u) {
+          const int sum = above[u] + at[u] + below[u];
+          colored[u] = sum > limit ? 255 : 0;
+          to[u] = 0;
+          if (sum <= limit) continue;
+          const int edge =
+              std::max(color_step(bins[std::max(u - 1, 0)], bins[std::min(u + 1, w - 1)]),
+                       color_step(bins[u + (up - v) * w], bins[u + (down - v) * w]));
+          to[u] = sum > limit + 9 * kEdgeRatio * (edge - 1) ? 255 : 0;
+        }
+      }
+    }
   }
 }
 
-void RegionFinder::remove_thin(int radius) noexcept {
-  radius = std::min(radius, kMaxThinRadius);
-  if (radius < 1 || mask_.height == 0) return;
+std::uint8_t* RegionFinder::copy_with_room(int radius) noexcept {
   const std::ptrdiff_t stride = mask_.stride(), count = stride * (mask_.height + 2);
-  // With its border of zeros the mask is one long row: a shift by one pixel or by one row is a
-  // shift of the whole, and windows grow by doubling.
   const std::ptrdiff_t reach = (2 * radius + 3) * (stride + 1);
   std::uint8_t* const at = opened_.data() + reach;
   std::fill_n(opened_.data(), reach, 0);
   std::copy_n(mask_.pixels.data(), count, at);
   std::fill_n(at + count, reach, 0);
-  const auto widen = [](std::uint8_t* p, std::ptrdiff_t n, std::ptrdiff_t step, int window,
-                        auto combine) {
-    int covered = 1;
-    while (covered < window) {
-      const int by = std::min(covered, window - covered);
-      const std::uint8_t* ahead = p + by * step;
-      for (std::ptrdiff_t i = 0; i < n; ++i) p[i] = combine(p[i], ahead[i]);
-      covered += by;
-    }
-  };
-  const auto both = [](std::uint8_t a, std::uint8_t b) { return std::uint8_t(a & b); };
-  const auto either = [](std::uint8_t a, std::uint8_t b) { return std::uint8_t(a | b); };
+  return at;
+}
+
+void RegionFinder::remove_thin(int radius) noexcept {
+  radius = std::min(radius, kMaxRadius);
+  if (radius < 1 || mask_.height == 0) return;
+  const std::ptrdiff_t stride = mask_.stride(), count = stride * (mask_.height + 2);
+  std::uint8_t* const at = copy_with_room(radius);
   const int eroded = 2 * radius + 1, grown = eroded + 2;
-  widen(at, count, 1, eroded, both);
-  widen(at, count, stride, eroded, both);
-  std::uint8_t* const from = at - reach + (stride + 1);  // windows begin before the first pixel
-  const std::ptrdiff_t all = count + reach - (stride + 1);
-  widen(from, all, 1, grown, either);
-  widen(from, all, stride, grown, either);
+  combine_window(at, count, 1, eroded, std::bit_and<std::uint8_t>());
+  combine_window(at, count, stride, eroded, std::bit_and<std::uint8_t>());
+  // Windows begin before the first pixel.
+  const std::ptrdiff_t before = (2 * radius + 2) * (stride + 1);
+  combine_window(at - before, count + before, 1, grown, std::bit_or<std::uint8_t>());
+  combine_window(at - before, count + before, stride, grown, std::bit_or<std::uint8_t>());
   const std::uint8_t* opened = at - (2 * radius + 1) * (stride + 1);
   for (std::ptrdiff_t i = 0; i < count; ++i) mask_.pixels[i] &= opened[i];
+}
+
+void RegionFinder::grow_back(int radius) noexcept {
+  radius = std::min(radius, kMaxRadius);
+  if (mask_.height == 0) return;
+  const std::ptrdiff_t stride = mask_.stride(), count = stride * (mask_.height + 2);
+  const std::ptrdiff_t before = radius * (stride + 1);
+  std::uint8_t* const from = copy_with_room(radius) - before;
+  combine_window(from, count + before, 1, 2 * radius + 1, std::bit_or<std::uint8_t>());
+  combine_window(from, count + before, stride, 2 * radius + 1, std::bit_or<std::uint8_t>());
+  for (std::ptrdiff_t i = stride; i < count - stride; ++i) mask_.pixels[i] = from[i] & colored_[i];
+  for (int v = 0; v < mask_.height; ++v) mask_.row(v)[-1] = mask_.row(v)[mask_.width] = 0;
 }
 
 std::int32_t RegionFinder::root(std::int32_t run) noexcept {

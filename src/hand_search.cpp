@@ -48,9 +48,10 @@ HandShapeConfig shape_to_look_for(const HandSearchConfig& config, HandShapeConfi
 }  // namespace
 
 HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fingertips,
-                       const HandShapeConfig& shape)
+                       const HandShapeConfig& shape, const HandShapeModel& model)
     : config_(config),
       shape_config_(shape_to_look_for(config, shape)),
+      shape_model_(model),
       curvature_(fingertips),
       channels_(kChannels),
       scene_(kBinCount),
@@ -180,7 +181,7 @@ void HandSearch::read_patch(const BinImage& image, int patch) noexcept {
 
 void HandSearch::classify(const BinImage& image, const Reading& reading) noexcept {
   if (reading.patch >= 0) read_patch(image, reading.patch);
-  region_.classify(image, channels_[reading.channel], reading.threshold, false);
+  region_.classify(image, channels_[reading.channel], reading.threshold);
   region_.remove_thin(1);
 }
 
@@ -198,8 +199,8 @@ bool HandSearch::try_reading(const BinImage& image, const Reading& reading, Hand
       if (disc.radius * scale < 5) continue;
       curvature_.find(contour_, disc.radius * scale);
       HandShape shape;
-      if (!find_hand_shape(curvature_, contour_, region_.mask(), disc.radius * scale, shape_config_,
-                           shape) ||
+      if (!find_hand_shape(curvature_, contour_, region_.mask(), disc.radius * scale, shape_model_,
+                           shape_config_, shape) ||
           shape.deviation >= best.deviation)
         continue;
       best = shape;

@@ -2,6 +2,7 @@
 #include "handyar/hand_shape.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,12 +14,6 @@ constexpr int kPoints = kFingerCount + kValleyCount;
 
 #include "hand_shape_statistics.inc"
 
-/// Affine map from the mean hand to nine points, by least squares: points = map * kFit.
-const Eigen::Matrix<float, kPoints, 3> kFit = [] {
-  Eigen::Matrix<double, kPoints, 3> A;
-  A << kMean_mm.transpose().cast<double>() / 1000, Eigen::Matrix<double, kPoints, 1>::Ones();
-  return Eigen::Matrix<float, kPoints, 3>((A * (A.transpose() * A).inverse()).cast<float>());
-}();
 const Eigen::Vector2f kPalmCenter(-0.002f, -0.035f);
 constexpr float kPalmRadius_m = 0.038f;
 constexpr float kFingerWidth_m = 0.017f;
@@ -141,6 +136,47 @@ bool HandShape::may_hold(const Eigen::Vector2f& p) const noexcept {
   return false;
 }
 
+void HandShape::expect(int width, int height, ExpectedRegion& region) const noexcept {
+  struct Capsule {
+    Eigen::Vector2f from, along;
+    float per_length2, radius;
+  };
+  std::array<Capsule, kFingerCount + 1> parts;
+  for (int f = 0; f < kFingerCount; ++f) {
+    const Eigen::Vector2f from = finger_base(f), to = tips[f];
+    const float length = std::max((to - from).norm(), finger_width);
+    const Eigen::Vector2f along = (1 - 0.5f * finger_width / length) * (to - from);
+    parts[f] = {from, along, 1 / along.squaredNorm(), 0.5f * finger_width};
+  }
+  parts[kFingerCount] = {palm(), Eigen::Vector2f::Zero(), 0, 1.05f * palm_radius()};
+  const Eigen::Vector2f up = image_hand.col(1).normalized(), right(-up.y(), up.x());
+  const float forearm = 1.6f * palm_radius();
+
+  region.cell = std::max(2, static_cast<int>(finger_width / 4));
+  region.columns = (width + region.cell - 1) / region.cell;
+  std::int8_t* to = region.ratios.data();
+  for (int v = 0; v < height; v += region.cell)
+    for (int u = 0; u < width; u += region.cell, ++to) {
+      const Eigen::Vector2f p = Eigen::Vector2f(float(u), float(v)).array() + 0.5f * region.cell;
+      float distance = std::numeric_limits<float>::max();
+      for (const Capsule& part : parts) {
+        const Eigen::Vector2f d = p - part.from;
+        const float s = std::clamp(d.dot(part.along) * part.per_length2, 0.0f, 1.0f);
+        distance = std::min(distance, (d - s * part.along).norm() - part.radius);
+      }
+      const float fingers = distance / finger_width;
+      const Eigen::Vector2f below = p - palm();
+      if (fingers < -0.1f) {
+        *to = ExpectedRegion::kInside;
+      } else if (fingers < 0.5f || (below.dot(up) < 0 && std::abs(below.dot(right)) < forearm)) {
+        *to = 0;  // the border may be here, or the forearm: the picture decides
+      } else {
+        *to = static_cast<std::int8_t>(
+            std::max(-40 * (fingers - 0.5f), float(ExpectedRegion::kOutside)));
+      }
+    }
+}
+
 bool HandShape::resembles(const HandShape& other) const noexcept {
   if (layout != other.layout) return false;
   const float limit = 0.2f * (other.tips[0] - other.tips[4]).norm();
@@ -159,12 +195,51 @@ HandShape HandShape::transformed(float scale, const Eigen::Vector2f& offset) con
   return s;
 }
 
-bool fit_hand_shape(const HandShapeConfig& config, HandShape& shape) noexcept {
+HandShapeModel::HandShapeModel() { set_mean(kMean_mm.cast<double>() / 1000); }
+
+HandShapeModel::HandShapeModel(const HandModel& hand, const HandShapeConfig& config)
+    : HandShapeModel() {
+  if (hand.source == HandSource::average_adult) return;
+  strictness_ = static_cast<float>(1 / config.posture_share);
+  const HandModel right = hand.for_layout(Layout::thumb_right);
+  Eigen::Matrix<double, 2, kPoints> mean_m = Eigen::Matrix<double, 2, kPoints>::Zero();
+  mean_m.leftCols<kFingerCount>() = right.tips_m.topRows<2>();
+  if (right.has_valleys) {
+    mean_m.rightCols<kValleyCount>() = right.valleys_m.topRows<2>();
+    set_mean(mean_m);
+    return;
+  }
+  // Deviation from hands in general as a linear function of the nine points, of which the last four
+  // are chosen so that it is least.
+  Eigen::Matrix<double, 2 * kPoints, 2 * kPoints> rest;
+  for (int i = 0; i < 2 * kPoints; ++i) {
+    Eigen::Matrix<double, 2, kPoints> unit = Eigen::Matrix<double, 2, kPoints>::Zero();
+    unit(i % 2, i / 2) = 1;
+    unit -= unit * fit_.cast<double>() * mean_.cast<double>();
+    rest.col(i) = unit.reshaped();
+  }
+  const Eigen::MatrixXd deviation = kWhitening.cast<double>() * rest;
+  const Eigen::VectorXd tips = mean_m.leftCols<kFingerCount>().reshaped();
+  const Eigen::VectorXd valleys = deviation.rightCols(2 * kValleyCount)
+                                      .colPivHouseholderQr()
+                                      .solve(-deviation.leftCols(2 * kFingerCount) * tips);
+  mean_m.rightCols<kValleyCount>() = valleys.reshaped(2, kValleyCount);
+  set_mean(mean_m);
+}
+
+void HandShapeModel::set_mean(const Eigen::Matrix<double, 2, kPoints>& mean_m) {
+  Eigen::Matrix<double, kPoints, 3> A;
+  A << mean_m.transpose(), Eigen::Matrix<double, kPoints, 1>::Ones();
+  mean_ = A.transpose().cast<float>();
+  fit_ = (A * (A.transpose() * A).inverse()).cast<float>();
+}
+
+bool HandShapeModel::fit(const HandShapeConfig& config, HandShape& shape) const noexcept {
   Eigen::Matrix<float, 2, kPoints> points;
   for (int f = 0; f < kFingerCount; ++f) points.col(f) = shape.tips[f];
   for (int k = 0; k < kValleyCount; ++k) points.col(kFingerCount + k) = shape.valleys[k];
   // The mean is a thumb_right hand: fit it, and mirror the map for the other layout.
-  shape.image_hand = points * kFit;
+  shape.image_hand = points * fit_;
   const Eigen::Matrix2f linear = shape.image_hand.leftCols<2>();
   const float det = linear.determinant(), norm = linear.squaredNorm();
   const float root = std::sqrt(std::max(norm * norm - 4 * det * det, 0.0f));
@@ -177,14 +252,10 @@ bool fit_hand_shape(const HandShapeConfig& config, HandShape& shape) noexcept {
   axes.row(1) = linear.col(1).normalized().transpose();
   axes.row(0) = Eigen::RowVector2f(-axes(1, 1), axes(1, 0));
   if (shape.layout == Layout::thumb_left) axes.row(0) = -axes.row(0);
-  const Eigen::Matrix<float, 3, kPoints> mean =
-      (Eigen::Matrix<float, 3, kPoints>() << kMean_mm / 1000,
-       Eigen::Matrix<float, 1, kPoints>::Ones())
-          .finished();
   const Eigen::Matrix<float, 2, kPoints> rest =
-      (1000 / larger) * axes * (points - shape.image_hand * mean);
+      (1000 / larger) * axes * (points - shape.image_hand * mean_);
   const Eigen::Map<const Eigen::Matrix<float, 2 * kPoints, 1>> flat(rest.data());
-  shape.deviation = std::sqrt((kWhitening * flat).squaredNorm() / kWhitening.rows());
+  shape.deviation = strictness_ * std::sqrt((kWhitening * flat).squaredNorm() / kWhitening.rows());
   // y points up on the hand and down in the image: the map turns orientation over.
   const bool faces_us = shape.layout == Layout::thumb_right ? det < 0 : det > 0;
   if (shape.layout == Layout::thumb_left) shape.image_hand.col(0) *= -1;
@@ -198,7 +269,8 @@ bool fills_region(const HandShape& shape, const Mask& mask,
 }
 
 bool find_hand_shape(const CurvatureFinder& curvature, const Contour& contour, const Mask& mask,
-                     float palm_radius, const HandShapeConfig& config, HandShape& best) noexcept {
+                     float palm_radius, const HandShapeModel& model, const HandShapeConfig& config,
+                     HandShape& best) noexcept {
   const auto tips = curvature.tips();
   const auto samples = curvature.samples();
   const int n = static_cast<int>(tips.size());
@@ -238,7 +310,7 @@ bool find_hand_shape(const CurvatureFinder& curvature, const Contour& contour, c
         const int gap = reversed ? kValleyCount - 1 - k : k;
         shape.valleys[k] = samples[valley[clockwise[gap]][clockwise[gap + 1]]];
       }
-      if (!fit_hand_shape(config, shape)) continue;
+      if (!model.fit(config, shape)) continue;
       if (shape.deviation >= best.deviation || !fills_region(shape, mask, config) ||
           raggedness(shape, curvature, contour) > config.max_raggedness)
         continue;

@@ -60,7 +60,8 @@ struct HandTracker::Impl {
         hands{hand.for_layout(Layout::thumb_right), hand.for_layout(Layout::thumb_left)},
         skin(cfg.skin),
         trusted_skin(cfg.skin),
-        search(cfg.search, cfg.fingertips, cfg.shape),
+        shape_model(hand, cfg.shape),
+        search(cfg.search, cfg.fingertips, cfg.shape, shape_model),
         curvature(cfg.fingertips),
         filter(cfg.filter) {
     hand_samples.reserve(kMaxSamples);
@@ -75,11 +76,12 @@ struct HandTracker::Impl {
   // The stages, in the order of the paper's Figure 2.
   bool find_anywhere(const ImageView& frame) noexcept;
   bool segment(const ImageView& frame) noexcept;
+  bool keep_hand(const Eigen::Vector2f& palm) noexcept;
   bool find_fingertips() noexcept;
   bool match(bool anew) noexcept;
   void advance(bool seen) noexcept;
   void measure_tips(TrackResult& result) noexcept;
-  void estimate_pose(TrackResult& result) noexcept;
+  bool estimate_pose(TrackResult& result) noexcept;
   void filter_pose(TrackResult& result) noexcept;
   void learn(const BinImage& image, const Mask& mask, const HandShape& hand_shape) noexcept;
 
@@ -106,8 +108,10 @@ struct HandTracker::Impl {
   ColorSpace space = ColorSpace::rgb;
 
   SkinModel skin, trusted_skin;  // the latter as it was when the hand was last tracked
+  HandShapeModel shape_model;
   HandSearch search;
   BinImage bins, search_bins;
+  ExpectedRegion expectation;
   RegionFinder region;
   Contour contour;
   CurvatureFinder curvature;
@@ -160,6 +164,7 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
   bins.bins.resize(pixels);
   search_bins.bins.resize(pixels / 4 + width_px + height_px);
   region.reserve(pixels);
+  expectation.ratios.resize(pixels);
   search.reserve(pixels / 4 + width_px + height_px);
   contour.reserve(1 << 14);
   contour_px.resize(1 << 14);
@@ -211,17 +216,26 @@ bool HandTracker::Impl::segment(const ImageView& frame) noexcept {
   const double dt = state == State::searching ? 0.0 : std::min(time_s - seen_s, 0.1);
   read_bins(frame, region_of_interest(dt), config.half_resolution ? 2 : 1, bins);
   if (bins.width < 16 || bins.height < 16) return false;
-  region.classify(bins, skin.ratios(), 0, true);
-  const HandShape before = to_mask(shape);
-  region.remove_thin(std::max(1, static_cast<int>(0.14f * before.finger_width + 0.5f)));
+  const float step = static_cast<float>(bins.step_px);
+  HandShape expected = to_mask(shape);
+  expected = expected.transformed(1, static_cast<float>(dt) / step * velocity_px_s);
+  expected.expect(bins.width, bins.height, expectation);
+  region.classify(bins, skin.ratios(), expectation);
+  region.remove_thin(std::max(1, static_cast<int>(0.14f * expected.finger_width + 0.5f)));
+  if (!keep_hand(expected.palm())) return false;
+  // Edges have cut the region: its border comes back, what hung on by a thread does not.
+  region.grow_back(static_cast<int>(0.18f * expected.finger_width + 0.5f));
+  return keep_hand(expected.palm()) && contour.trace(region.mask(), component);
+}
+
+/// The component at `palm` alone.
+bool HandTracker::Impl::keep_hand(const Eigen::Vector2f& palm) noexcept {
   if (region.components(bins.width * bins.height / 50).empty()) return false;
-  const Eigen::Vector2f at =
-      before.palm() + static_cast<float>(dt) / static_cast<float>(bins.step_px) * velocity_px_s;
-  const Component* holder = region.component_at(int(at.x()), int(at.y()));
+  const Component* holder = region.component_at(int(palm.x()), int(palm.y()));
   if (holder == nullptr) return false;
   component = *holder;
   region.keep_only(component);
-  return contour.trace(region.mask(), component);
+  return true;
 }
 
 /// Places where the contour turns as sharply as a fingertip (paper 2.2).
@@ -278,7 +292,7 @@ bool HandTracker::Impl::match(bool anew) noexcept {
   } else if (following) {
     limits.max_deviation *= 1.2;
   }
-  const bool accepted = fit_hand_shape(limits, found);
+  const bool accepted = shape_model.fit(limits, found);
   promising = found.deviation < config.search.max_deviation;
   if (!accepted) return false;
   // A hand that has turned over meanwhile can pass for a distorted one of the old layout.
@@ -287,7 +301,7 @@ bool HandTracker::Impl::match(bool anew) noexcept {
     turned.layout = opposite(found.layout);
     std::ranges::reverse(turned.tips);
     std::ranges::reverse(turned.valleys);
-    if (fit_hand_shape(limits, turned) && turned.deviation < 0.7f * found.deviation) return false;
+    if (shape_model.fit(limits, turned) && turned.deviation < 0.7f * found.deviation) return false;
   }
   // A tip that was missed stays where the shape puts it, for the next frame's matching.
   const Eigen::Vector2f moved = found.palm() - before.palm();
@@ -302,6 +316,8 @@ bool HandTracker::Impl::match(bool anew) noexcept {
 
 /// Where each fingertip is, to a fraction of a pixel (paper 2.2).
 void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
+  result.tips = {};
+  result.valleys = {};
   for (int f = 0; f < kFingerCount; ++f) {
     if (!found.tip_seen[f]) continue;
     const float arc = static_cast<float>(found.tip_samples[f]) * curvature.spacing();
@@ -314,8 +330,8 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
   for (int i = 0; i < contour_size; ++i) contour_px[i] = to_input(contour[i]);
 }
 
-/// Camera pose relative to the hand (paper 2.5).
-void HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
+/// Camera pose relative to the hand (paper 2.5). False when a measured hand cannot look like this.
+bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   HandObservation observation;
   const double step = bins.step_px;
   for (int f = 0; f < kFingerCount; ++f)
@@ -332,12 +348,18 @@ void HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
                              : found.layout == measured_layout ? 1.0
                                                                : 0.5;
   result.raw_pose = handyar::estimate_pose(observation, model, camera, config.pose, prior);
+  if (shape_model.measured()) {
+    if (!result.raw_pose) return false;
+    const double m_per_px = result.raw_pose->T_camera_hand.translation().z() / camera.fx_px;
+    if (result.raw_pose->rms_px * m_per_px > config.acquisition.max_residual_m) return false;
+  }
   if (result.raw_pose && std::isfinite(result.raw_pose->relief_log_ratio)) {
     // Errors of neighbouring frames are alike: each counts for a fraction.
     constexpr double kShare = 0.1, kLimit = 6.0;
     relief_evidence =
         std::clamp(relief_evidence + kShare * result.raw_pose->relief_log_ratio, -kLimit, kLimit);
   }
+  return true;
 }
 
 void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
@@ -455,7 +477,9 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   const auto look = [&](bool anew) {
     return clock.time(times.segmentation_ms, [&] { return t.segment(frame); }) &&
            clock.time(times.fingertips_ms, [&] { return t.find_fingertips(); }) &&
-           clock.time(times.matching_ms, [&] { return t.match(anew); });
+           clock.time(times.matching_ms, [&] { return t.match(anew); }) &&
+           (clock.time(times.fingertips_ms, [&] { t.measure_tips(result); }),
+            clock.time(times.pose_ms, [&] { return t.estimate_pose(result); }));
   };
   const auto search = [&] {
     return clock.time(times.segmentation_ms, [&] { return t.find_anywhere(frame); });
@@ -477,15 +501,15 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
     seen = look_anew();
   t.advance(seen);
   result.state = t.state;
-  t.contour_size = 0;
-  if (seen) {
+  if (!seen || t.state != State::tracking) result.raw_pose.reset();
+  if (!seen) {
+    t.contour_size = 0;
+    result.tips = {};
+    result.valleys = {};
+  } else {
     result.layout = t.found.layout;
-    clock.time(times.fingertips_ms, [&] { t.measure_tips(result); });
     clock.time(times.segmentation_ms, [&] { t.learn(t.bins, t.region.mask(), t.found); });
-    if (t.state == State::tracking) {
-      clock.time(times.pose_ms, [&] { t.estimate_pose(result); });
-      clock.time(times.filter_ms, [&] { t.filter_pose(result); });
-    }
+    if (t.state == State::tracking) clock.time(times.filter_ms, [&] { t.filter_pose(result); });
   }
   times.total_ms = clock.total_ms();
   return result;

@@ -24,7 +24,7 @@ struct DrawnMask {
     std::vector<std::int8_t> ratios(kBinCount, -1);
     ratios[1] = 1;
     region.reserve(width * height);
-    region.classify(image, ratios, 0, false);
+    region.classify(image, ratios, 0);
     contour.reserve(1 << 15);
   }
 

@@ -81,30 +81,85 @@ TEST(HandRegion, AWideMaskOfOneComponent) {
   EXPECT_EQ(found[0].area, 300 * 40 + 300);
 }
 
-TEST(HandRegion, SmoothingIsTheMeanOfNineRatiosEdgesRepeated) {
+/// Ratios of the colours that `picture_of` uses: what is hand-like and what is not.
+constexpr ColorBin kHand = 20 << 10 | 15 << 5 | 12, kWood = 24 << 10 | 15 << 5 | 12, kSky = 31;
+
+BinImage picture_of(int width, int height, const auto& bin_at) {
+  BinImage image;
+  image.width = width;
+  image.height = height;
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) image.bins.push_back(bin_at(u, v));
+  return image;
+}
+
+std::vector<std::int8_t> hand_like(std::initializer_list<ColorBin> colors) {
+  std::vector<std::int8_t> ratios(kBinCount, -32);
+  for (const ColorBin c : colors) ratios[c] = 24;
+  return ratios;
+}
+
+TEST(HandRegion, SmoothingIsTheMeanOfNineRatiosEdgesRepeatedAndThePlace) {
   constexpr int kWidth = 37, kHeight = 23;
   std::mt19937 rng = test::random_for("SmoothingIsTheMeanOfNineRatios");
   std::vector<std::int8_t> ratios(kBinCount);
   for (auto& r : ratios) r = static_cast<std::int8_t>(int(rng() % 255) - 127);
-  BinImage image;
-  image.width = kWidth;
-  image.height = kHeight;
-  image.bins.resize(kWidth * kHeight);
-  for (auto& b : image.bins) b = static_cast<ColorBin>(rng() % kBinCount);
+  const BinImage image = picture_of(
+      kWidth, kHeight, [&](int, int) { return static_cast<ColorBin>(rng() % kBinCount); });
   RegionFinder region;
   region.reserve(kWidth * kHeight);
-  for (const int threshold : {-16, 0, 8}) {
-    region.classify(image, ratios, threshold, true);
-    for (int v = 0; v < kHeight; ++v)
-      for (int u = 0; u < kWidth; ++u) {
-        int sum = 0;
-        for (int y = v - 1; y <= v + 1; ++y)
-          for (int x = u - 1; x <= u + 1; ++x)
-            sum += ratios[image.bins[std::clamp(y, 0, kHeight - 1) * kWidth +
-                                     std::clamp(x, 0, kWidth - 1)]];
-        ASSERT_EQ(region.mask().at(u, v), sum > 9 * threshold) << u << " " << v;
-      }
-  }
+  ExpectedRegion inside;  // where edges do not count
+  inside.ratios = {ExpectedRegion::kInside};
+  region.classify(image, ratios, inside);
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u) {
+      int sum = 0;
+      for (int y = v - 1; y <= v + 1; ++y)
+        for (int x = u - 1; x <= u + 1; ++x)
+          sum += ratios[image.bins[std::clamp(y, 0, kHeight - 1) * kWidth +
+                                   std::clamp(x, 0, kWidth - 1)]];
+      ASSERT_EQ(region.mask().at(u, v), sum > -9 * ExpectedRegion::kInside) << u << " " << v;
+    }
+}
+
+TEST(HandRegion, ThePlaceDecidesWhereColourDoesNot) {
+  const BinImage image = picture_of(40, 10, [](int, int) { return kHand; });
+  RegionFinder region;
+  region.reserve(400);
+  ExpectedRegion expected;
+  expected.cell = 10;
+  expected.columns = 4;
+  expected.ratios = {ExpectedRegion::kInside, 0, -25, ExpectedRegion::kOutside};
+  region.classify(image, hand_like({kHand}), expected);
+  EXPECT_TRUE(region.mask().at(5, 5));
+  EXPECT_TRUE(region.mask().at(15, 5));
+  EXPECT_FALSE(region.mask().at(25, 5));
+  EXPECT_FALSE(region.mask().at(35, 5));
+}
+
+TEST(HandRegion, AnEdgeCutsWhatHasTheHandsColourAndTheBorderGrowsBack) {
+  // A hand at the left, beside it wood that the skin model cannot tell from it, sky below.
+  const BinImage image = picture_of(80, 40, [](int u, int v) {
+    return v >= 30 ? kSky : u < 40 ? kHand : kWood;
+  });
+  const auto ratios = hand_like({kHand, kWood});
+  RegionFinder region;
+  region.reserve(80 * 40);
+  region.classify(image, ratios, ExpectedRegion{});
+  auto components = region.components(100);
+  ASSERT_EQ(components.size(), 2u);
+  region.keep_only(*region.component_at(10, 10));
+  EXPECT_LT(region.components(100)[0].u1, 39);
+  region.grow_back(3);
+  components = region.components(100);
+  ASSERT_EQ(components.size(), 1u);
+  EXPECT_NEAR(components[0].u1, 40, 2);  // and no further into the wood
+  EXPECT_NEAR(components[0].v1, 29, 1);  // the border to the sky is where it was
+  // Expected inside the hand, an edge is a ring or a crease.
+  ExpectedRegion inside;
+  inside.ratios = {ExpectedRegion::kInside};
+  region.classify(image, ratios, inside);
+  EXPECT_EQ(region.components(100).size(), 1u);
 }
 
 TEST(HandRegion, TheComponentAtAPointOrNearestToIt) {

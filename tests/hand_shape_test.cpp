@@ -41,7 +41,8 @@ bool find(const Inside& inside, HandShape& shape) {
   const Disc disc = drawn.region.deepest(drawn.largest);
   for (const float scale : {1.0f, 0.6f}) {
     finder.find(drawn.contour, scale * disc.radius);
-    if (find_hand_shape(finder, drawn.contour, drawn.region.mask(), scale * disc.radius, {}, shape))
+    if (find_hand_shape(finder, drawn.contour, drawn.region.mask(), scale * disc.radius, {}, {},
+                        shape))
       return true;
   }
   return false;
@@ -112,6 +113,90 @@ TEST(HandShape, IsMostlyFoundTiltedBy45DegreesAndNeverWrongly) {
       EXPECT_LT(worst_tip_px(shape, hand, view), 7) << axis;
     }
   EXPECT_GE(found, 11) << "of 12";
+}
+
+/// Tips and valleys of a hand as an affine camera sees them.
+HandShape seen(const HandModel& hand, const Eigen::Affine2d& view) {
+  HandShape shape;
+  shape.layout = hand.layout;
+  for (int f = 0; f < kFingerCount; ++f)
+    shape.tips[f] = (view * hand.tips_m.col(f).head<2>()).cast<float>();
+  for (int k = 0; k < kValleyCount; ++k)
+    shape.valleys[k] = (view * hand.valleys_m.col(k).head<2>()).cast<float>();
+  return shape;
+}
+
+/// A hand with a thumb of its own.
+HandModel measured_hand() {
+  HandModel hand = average_adult_hand();
+  hand.source = HandSource::checkerboard;
+  hand.tips_m(0, 0) -= 0.012;
+  hand.tips_m(1, 0) -= 0.010;
+  hand.valleys_m.row(0) << 0.036, 0.011, -0.014, -0.037;
+  hand.valleys_m.row(1) << -0.019, 0.018, 0.019, 0.001;
+  hand.has_valleys = true;
+  return hand;
+}
+
+TEST(HandShapeModel, AMeasuredHandIsItsOwnMeanInBothLayouts) {
+  const HandModel hand = measured_hand();
+  const HandShapeModel own(hand, {}), general;
+  EXPECT_TRUE(own.measured());
+  EXPECT_FALSE(general.measured());
+  EXPECT_FALSE(HandShapeModel(average_adult_hand(), {}).measured());
+  for (const Layout layout : kLayouts) {
+    HandShape shape = seen(hand.for_layout(layout), view_of(1300, 0.4, deg(40), deg(20)));
+    EXPECT_TRUE(own.fit({}, shape));
+    EXPECT_LT(shape.deviation, 1e-3f);
+    EXPECT_TRUE(general.fit({}, shape));
+    EXPECT_GT(shape.deviation, 0.2f);
+  }
+}
+
+TEST(HandShapeModel, KnowsAnotherHandFromTheMeasuredOne) {
+  const HandShapeModel own(measured_hand(), {}), general;
+  HandModel longer = measured_hand();
+  longer.tips_m(0, 0) += 0.030;  // the thumb continues along a table's edge
+  HandShape shape = seen(longer, view_of(1300, 0.4));
+  own.fit({}, shape);
+  const float against_own = shape.deviation;
+  general.fit({}, shape);
+  EXPECT_GT(against_own, 1.3f * shape.deviation);
+}
+
+TEST(HandShapeModel, ValleysThatWereNotMeasuredAreLikelyOnes) {
+  HandModel hand = measured_hand();
+  hand.has_valleys = false;
+  const HandShapeModel own(hand, {});
+  HandShape shape = seen(measured_hand(), view_of(1300, 0.4));
+  EXPECT_TRUE(own.fit({}, shape));
+  EXPECT_LT(shape.deviation, 0.6f);
+}
+
+TEST(HandShape, ExpectsItselfWhereItIs) {
+  const DrawnHand hand;
+  const Eigen::Affine2d view = view_of(1300, 0.3);
+  HandShape shape;
+  ASSERT_TRUE(find(hand, view, shape));
+  ExpectedRegion expected;
+  expected.ratios.resize(kSize * kSize);
+  shape.expect(kSize, kSize, expected);
+  int inside = 0, outside = 0;
+  for (int v = 0; v < kSize; ++v)
+    for (int u = 0; u < kSize; ++u) {
+      const int place = expected.row(v)[u / expected.cell];
+      const double distance_px = 1300 * hand.distance_m(view.inverse() * V(u, v));
+      inside += place == ExpectedRegion::kInside;
+      outside += place == ExpectedRegion::kOutside;
+      if (place == ExpectedRegion::kInside) {
+        EXPECT_LT(distance_px, 8) << u << " " << v;
+      }
+      if (place < 0) {
+        EXPECT_GT(distance_px, 2) << u << " " << v;
+      }
+    }
+  EXPECT_GT(inside, kSize * kSize / 20);
+  EXPECT_GT(outside, kSize * kSize / 4);
 }
 
 TEST(HandShape, IsFoundWithoutItsForearm) {

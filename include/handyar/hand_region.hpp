@@ -21,6 +21,16 @@ struct Mask {
   bool at(int u, int v) const noexcept { return row(v)[u] != 0; }
 };
 
+/// What a pixel's place says beforehand, for squares of `cell` pixels: added to its ratio (eighths
+/// of a nat). By default nothing.
+struct ExpectedRegion {
+  static constexpr std::int8_t kInside = 1, kOutside = -32;  ///< surely in and out of the region
+  int cell = 1 << 14, columns = 1;
+  std::vector<std::int8_t> ratios = {0};  ///< row by row
+
+  const std::int8_t* row(int v) const noexcept { return ratios.data() + v / cell * columns; }
+};
+
 /// A connected component (8 neighbours) of a mask, in mask pixels.
 struct Component {
   int label = 0;
@@ -44,14 +54,22 @@ class RegionFinder {
   /// Room for masks of up to `max_pixels`.
   void reserve(int max_pixels);
 
-  /// mask = ratio of the bin > threshold (eighths of a nat), the ratio averaged over 3x3 pixels
-  /// when `smooth`.
-  void classify(const BinImage& image, std::span<const std::int8_t> ratios, int threshold,
-                bool smooth) noexcept;
+  /// mask = ratio of the bin > threshold (eighths of a nat).
+  void classify(const BinImage& image, std::span<const std::int8_t> ratios, int threshold) noexcept;
+
+  /// mask = ratio of the bin, averaged over 3x3 pixels, and of the place together > 0. Outside the
+  /// hand's inside, edges in the picture cut the region, so that it does not run out into what has
+  /// the hand's colour.
+  void classify(const BinImage& image, std::span<const std::int8_t> ratios,
+                const ExpectedRegion& expected) noexcept;
 
   /// Removes what is thinner than 2 * radius + 1 pixels (lines, specks, frayed edges) and leaves
   /// the rest as it is: the opening by a square, grown back by one pixel more inside the mask.
   void remove_thin(int radius) noexcept;
+
+  /// Gives the mask back what edges have cut off: up to `radius` pixels around it, where colour and
+  /// place say hand.
+  void grow_back(int radius) noexcept;
 
   /// Finds the components of at least `min_area` pixels, largest first, at most kMaxComponents.
   std::span<const Component> components(int min_area) noexcept;
@@ -72,6 +90,8 @@ class RegionFinder {
     std::int16_t v, u0, u1;  ///< u0 <= u < u1
     std::int32_t label;      ///< union-find parent, then component label
   };
+  void resize_mask(int width, int height) noexcept;   ///< and clears its border
+  std::uint8_t* copy_with_room(int radius) noexcept;  ///< of the mask, zeros before and behind
   std::int32_t root(std::int32_t run) noexcept;
 
   Mask mask_;
@@ -82,6 +102,7 @@ class RegionFinder {
   Component components_[kMaxComponents];
   int component_count_ = 0;
   std::vector<std::uint16_t> distance_;
+  std::vector<std::uint8_t> colored_;  ///< the mask before edges cut it
   std::vector<std::uint8_t> opened_;
 };
 

@@ -29,7 +29,7 @@ struct HandSearchConfig {
 class HandSearch {
  public:
   HandSearch(const HandSearchConfig& config, const FingertipConfig& fingertips,
-             const HandShapeConfig& shape);
+             const HandShapeConfig& shape, const HandShapeModel& model = {});
   void reserve(int max_pixels);
   void reset() noexcept;
 
@@ -57,6 +57,7 @@ class HandSearch {
 
   HandSearchConfig config_;
   HandShapeConfig shape_config_;
+  HandShapeModel shape_model_;
   RegionFinder region_;
   Contour contour_;
   CurvatureFinder curvature_;

@@ -17,10 +17,11 @@ struct HandShapeConfig {
   /// Largest deviation from the shape of hands, in standard deviations (rms); most hands are
   /// below 1.
   double max_deviation = 1.1;
-  double min_aspect = 0.30;     ///< smaller over larger scale of the affine map: cosine of the tilt
-  double min_palm_fill = 0.85;  ///< share of the palm disc that lies in the region
-  double min_finger_fill =
-      0.75;  ///< share of the stations along the fingers that are as wide as a finger
+  double posture_share =
+      0.7;                   ///< how much of the variation among hands one and the same hand shows
+  double min_aspect = 0.30;  ///< smaller over larger scale of the affine map: cosine of the tilt
+  double min_palm_fill = 0.85;    ///< share of the palm disc that lies in the region
+  double min_finger_fill = 0.75;  ///< share of a finger's stations that are as wide as a finger
   double max_raggedness = 1.35;  ///< length of the boundary of the fingers over its smoothed length
 };
 
@@ -46,6 +47,9 @@ struct HandShape {
   /// True where the hand, or the forearm behind it, may be: near a finger, the palm or the wrist.
   bool may_hold(const Eigen::Vector2f& p) const noexcept;
 
+  /// Where a picture of `width` x `height` pixels shows this hand, give or take half a finger.
+  void expect(int width, int height, ExpectedRegion& region) const noexcept;
+
   /// True when all tips lie within a fifth of the span of the other shape's, fingers the same.
   bool resembles(const HandShape& other) const noexcept;
 
@@ -56,16 +60,38 @@ struct HandShape {
   }
 };
 
-/// Looks for five neighbouring tips with valleys between them that an affine image of the average
-/// hand explains (paper 2.2 asks for five tips around the palm; the whole shape is asked for here,
-/// so that the hand may point anywhere). Thumb and layout follow from which way round fits better.
+/// What outstretched hands look like, or one measured hand: nine points in a plane and how they
+/// vary once the best affine map is taken off.
+class HandShapeModel {
+ public:
+  HandShapeModel();  ///< hands in general
+
+  /// Tips, and valleys where they were measured, of this hand; the valleys are otherwise the
+  /// likeliest ones beside these tips. An average hand gives hands in general.
+  HandShapeModel(const HandModel& hand, const HandShapeConfig& config);
+
+  bool measured() const noexcept { return strictness_ != 1; }
+
+  /// Fits the shape's tips and valleys affinely and compares what is left with how hands vary; sets
+  /// image_hand, deviation and finger_width. False when the shape is no hand's.
+  bool fit(const HandShapeConfig& config, HandShape& shape) const noexcept;
+
+ private:
+  static constexpr int kPoints = kFingerCount + kValleyCount;
+  void set_mean(const Eigen::Matrix<double, 2, kPoints>& mean_m);
+
+  Eigen::Matrix<float, 3, kPoints> mean_;  ///< metres, thumb_right; last row ones
+  Eigen::Matrix<float, kPoints, 3> fit_;   ///< affine map = points * fit_
+  float strictness_ = 1;
+};
+
+/// Looks for five neighbouring tips with valleys between them that an affine image of the model
+/// explains (paper 2.2 asks for five tips around the palm; the whole shape is asked for here, so
+/// that the hand may point anywhere). Thumb and layout follow from which way round fits better.
 /// Returns false when nothing hand-like is there.
 bool find_hand_shape(const CurvatureFinder& curvature, const Contour& contour, const Mask& mask,
-                     float palm_radius, const HandShapeConfig& config, HandShape& best) noexcept;
-
-/// Fits the average hand affinely to tips and valleys and compares what is left with how hands
-/// vary; sets image_hand, deviation and finger_width. False when the shape is no hand's.
-bool fit_hand_shape(const HandShapeConfig& config, HandShape& shape) noexcept;
+                     float palm_radius, const HandShapeModel& model, const HandShapeConfig& config,
+                     HandShape& best) noexcept;
 
 /// True when palm and fingers of the shape are filled by the region, and the fingers are as wide as
 /// fingers. All valleys must be set.
