@@ -18,7 +18,7 @@ class HandOutline {
  public:
   void add(const Capsule& stroke) { strokes_.push_back(stroke); }
 
-  /// The palm: the corners of a convex polygon, clockwise as the hand frame has it.
+  /// The palm: the corners of a convex polygon, counter-clockwise (x right, y up).
   template <std::size_t N>
   void add_palm(const std::array<Eigen::Vector2d, N>& corners) {
     for (std::size_t i = 0; i < N; ++i) {
