@@ -6,6 +6,15 @@ function(handyar_library name)
   handyar_warnings(handyar_${name})
 endfunction()
 
+# handyar_room(NAME source...): the same for a room beside the core, with headers in include/ and
+# sources in src/.
+function(handyar_room name)
+  handyar_library(${name} ${ARGN})
+  target_include_directories(handyar_${name} PUBLIC include PRIVATE src)
+  target_precompile_headers(handyar_${name} PRIVATE
+    <Eigen/Geometry> <opencv2/core.hpp> <string> <vector>)
+endfunction()
+
 # The project's own code builds without a warning; those who use it are not held to that.
 function(handyar_warnings target)
   target_compile_options(${target} PRIVATE

@@ -13,6 +13,37 @@
 
 namespace handyar::test {
 
+/// Where the hand plane is hand: strokes, and a convex palm.
+class HandOutline {
+ public:
+  void add(const Capsule& stroke) { strokes_.push_back(stroke); }
+
+  /// The palm: the corners of a convex polygon, counter-clockwise (x right, y up).
+  template <std::size_t N>
+  void add_palm(const std::array<Eigen::Vector2d, N>& corners) {
+    for (std::size_t i = 0; i < N; ++i) {
+      const Eigen::Vector2d a = corners[i], along = (corners[(i + 1) % N] - a).normalized();
+      sides_.push_back({along.y(), -along.x(), along.y() * a.x() - along.x() * a.y()});
+    }
+  }
+
+  /// Signed distance (m, negative inside) of a point of the hand plane.
+  double distance_m(double x, double y) const {
+    double palm = -1;  // the largest of the distances to its sides
+    for (const Side& side : sides_) palm = std::max(palm, side.nx * x + side.ny * y - side.offset);
+    double d = palm;
+    for (const Capsule& stroke : strokes_) d = std::min(d, stroke.distance(x, y));
+    return d;
+  }
+
+ private:
+  struct Side {
+    double nx, ny, offset;  ///< of the line nx x + ny y = offset, its normal outwards
+  };
+  std::vector<Side> sides_;
+  std::vector<Capsule> strokes_;
+};
+
 /// A flat hand of round strokes with the average adult's fingertips: the ends of the fingers are
 /// exactly the tips of `average_adult_hand()`.
 struct DrawnHand {
@@ -22,39 +53,36 @@ struct DrawnHand {
 
   void make_fist() { fold.fill(1); }
 
-  /// Signed distance (m, negative inside) of a point of the hand plane.
-  double distance_m(const Eigen::Vector2d& p_hand_m) const {
+  /// As it is with the thumb on the right, whatever the layout.
+  HandOutline outline_thumb_right() const {
     using V = Eigen::Vector2d;
-    static const HandModel hand = average_adult_hand();
-    static const std::array<V, kFingerCount> kKnuckles = {
+    const HandModel hand = average_adult_hand();
+    const std::array<V, kFingerCount> knuckles = {
         V{.052, -.036}, {.024, -.002}, {.001, .004}, {-.022, -.002}, {-.040, -.018}};
-    static constexpr std::array<double, kFingerCount> kRadii = {.010, .0085, .0085, .008, .007};
-    const V p(layout == Layout::thumb_right ? p_hand_m.x() : -p_hand_m.x(), p_hand_m.y());
-    double d = palm_distance_m(p);
+    constexpr std::array<double, kFingerCount> kRadii = {.010, .0085, .0085, .008, .007};
+    HandOutline outline;
+    outline.add_palm<8>({V{.027, .010},
+                         {.012, .018},
+                         {-.013, .018},
+                         {-.036, .003},
+                         {-.043, -.020},
+                         {-.030, -.092},
+                         {.028, -.092},
+                         {.036, -.022}});
     for (int f = 0; f < kFingerCount; ++f) {
-      const V tip = hand.tips_m.col(f).head<2>(), knuckle = kKnuckles[f];
+      const V tip = hand.tips_m.col(f).head<2>(), knuckle = knuckles[f];
       const V end = tip - kRadii[f] * (tip - knuckle).normalized();
-      if (fold[f] < 1)
-        d = std::min(d, capsule_distance(p, knuckle, end + fold[f] * (knuckle - end), kRadii[f]));
+      if (fold[f] < 1) outline.add({knuckle, end + fold[f] * (knuckle - end), kRadii[f]});
     }
-    if (fold[0] < 1) d = std::min(d, capsule_distance(p, {.018, -.066}, kKnuckles[0], .013));
-    if (forearm) d = std::min(d, capsule_distance(p, {-.001, -.09}, {-.001, -.6}, .029));
-    return d;
+    if (fold[0] < 1) outline.add({V(.018, -.066), knuckles[0], .013});
+    if (forearm) outline.add({V(-.001, -.09), V(-.001, -.6), .029});
+    return outline;
   }
 
- private:
-  /// A convex polygon, as the largest of the distances to its sides.
-  static double palm_distance_m(const Eigen::Vector2d& p) {
-    using V = Eigen::Vector2d;
-    static const std::array<V, 8> kCorners = {V{.027, .010}, {.012, .018},   {-.013, .018},
-                                              {-.036, .003}, {-.043, -.020}, {-.030, -.092},
-                                              {.028, -.092}, {.036, -.022}};
-    double d = -1;
-    for (std::size_t i = 0; i < kCorners.size(); ++i) {
-      const V a = kCorners[i], along = (kCorners[(i + 1) % kCorners.size()] - a).normalized();
-      d = std::max(d, V(along.y(), -along.x()).dot(p - a));
-    }
-    return d;
+  /// A function of a point (m) of the hand plane: its signed distance (m, negative inside).
+  auto distance_m() const {
+    return [outline = outline_thumb_right(), side = layout == Layout::thumb_right ? 1.0 : -1.0](
+               double x, double y) { return outline.distance_m(side * x, y); };
   }
 };
 
@@ -97,17 +125,18 @@ class Picture {
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) {
         const double d = distance(Eigen::Vector2d(x, y)) * px_per_unit;
-        if (d > 2) {
-          x += static_cast<int>(std::min(0.4 * d, 1e4));  // nothing that near: skip ahead
+        if (std::abs(d) > 2) {  // no edge is that near: the next pixels are as this one
+          const int end =
+              std::min(width_, x + 1 + static_cast<int>(std::min(0.4 * std::abs(d), 1e4)));
+          if (d < 0)
+            for (int i = x; i < end; ++i) std::copy_n(color.data(), 3, at(i, y));
+          x = end - 1;
           continue;
         }
-        int inside = 16;
-        if (d > -2) {
-          inside = 0;
-          for (int k = 0; k < 16; ++k)
-            inside +=
-                distance(Eigen::Vector2d(x + (k % 4) / 4.0 - 0.375, y + (k / 4) / 4.0 - 0.375)) < 0;
-        }
+        int inside = 0;
+        for (int k = 0; k < 16; ++k)
+          inside +=
+              distance(Eigen::Vector2d(x + (k % 4) / 4.0 - 0.375, y + (k / 4) / 4.0 - 0.375)) < 0;
         for (int c = 0; c < 3; ++c)
           at(x, y)[c] =
               static_cast<std::uint8_t>((at(x, y)[c] * (16 - inside) + color[c] * inside + 8) / 16);
@@ -122,10 +151,12 @@ class Picture {
     Eigen::Matrix3d plane;
     plane << T_camera_hand.linear().leftCols<2>(), T_camera_hand.translation();
     const Eigen::Matrix3d hand_px = (K * plane).inverse();
+    std::array<double, 9> h;  // by rows
+    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data()) = hand_px;
     paint(
-        [&](const Eigen::Vector2d& px) {
-          const Eigen::Vector3d h = hand_px * px.homogeneous();
-          return hand.distance_m(h.head<2>() / h.z());
+        [h, distance_m = hand.distance_m()](const Eigen::Vector2d& px) {
+          const double x = px.x(), y = px.y(), w = h[6] * x + h[7] * y + h[8];
+          return distance_m((h[0] * x + h[1] * y + h[2]) / w, (h[3] * x + h[4] * y + h[5]) / w);
         },
         camera.fx_px / T_camera_hand.translation().z(), color);
   }
@@ -137,7 +168,7 @@ class Picture {
     for (std::uint8_t& b : bytes_) {
       x = x * 1664525u + 1013904223u;
       const int sum = int(x >> 24) + int(x >> 16 & 255) + int(x >> 8 & 255) - 382;
-      b = static_cast<std::uint8_t>(std::clamp(int(std::lround(b + scale * sum)), 0, 255));
+      b = static_cast<std::uint8_t>(std::clamp(int(b + scale * sum + 0.5), 0, 255));
     }
   }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -41,12 +42,33 @@ struct DrawnMask {
   Contour contour;
 };
 
+/// A stroke with round ends. In plain numbers: drawing hands is most of what the tests compute.
+class Capsule {
+ public:
+  Capsule(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double radius)
+      : ax_(a.x()),
+        ay_(a.y()),
+        along_x_(b.x() - ax_),
+        along_y_(b.y() - ay_),
+        squared_length_(along_x_ * along_x_ + along_y_ * along_y_),
+        radius_(radius) {}
+
+  /// Signed distance of a point: negative inside.
+  double distance(double x, double y) const {
+    const double dx = x - ax_, dy = y - ay_;
+    const double s = std::clamp((dx * along_x_ + dy * along_y_) / squared_length_, 0.0, 1.0);
+    const double off_x = dx - s * along_x_, off_y = dy - s * along_y_;
+    return std::sqrt(off_x * off_x + off_y * off_y) - radius_;
+  }
+
+ private:
+  double ax_, ay_, along_x_, along_y_, squared_length_, radius_;
+};
+
 /// Signed distance of `p` to a stroke of the given radius from `a` to `b`: negative inside.
 inline double capsule_distance(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
                                const Eigen::Vector2d& b, double radius) {
-  const Eigen::Vector2d along = b - a, d = p - a;
-  const double s = std::clamp(d.dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (d - s * along).norm() - radius;
+  return Capsule(a, b, radius).distance(p.x(), p.y());
 }
 
 }  // namespace handyar::test

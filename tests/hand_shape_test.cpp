@@ -50,7 +50,11 @@ bool find(const Inside& inside, HandShape& shape) {
 
 bool find(const DrawnHand& hand, const Eigen::Affine2d& view, HandShape& shape) {
   const Eigen::Affine2d hand_px = view.inverse();
-  return find([&](int u, int v) { return hand.distance_m(hand_px * V(u, v)) < 0; }, shape);
+  const auto inside = [&hand_px, distance_m = hand.distance_m()](int u, int v) {
+    const V p = hand_px * V(u, v);
+    return distance_m(p.x(), p.y()) < 0;
+  };
+  return find(inside, shape);
 }
 
 /// Largest distance of a tip found to its true place; also when fingers were taken for one another.

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <unistd.h>
-
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -8,6 +6,7 @@
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
 
+#include "annotate.hpp"
 #include "command.hpp"
 #include "handyar/calibration/picture.hpp"
 #include "handyar/calibration/self_calibration.hpp"
@@ -79,28 +78,6 @@ void check_usage(const CalibrateRun& run) {
         throw WrongUsage(*files[i] + " is named twice");
 }
 
-// A line that is written over, on a terminal only.
-class Progress {
- public:
-  ~Progress() {
-    if (shown_) std::fputs("\r\033[K", stderr);
-  }
-  void show(std::size_t frames, std::int64_t of, const std::string& rest) {
-    if (!terminal_ || steady_now_s() < next_s_) return;
-    next_s_ = steady_now_s() + 0.1;
-    shown_ = true;
-    std::fprintf(stderr, "\r\033[K%zu", frames);
-    if (of > 0) std::fprintf(stderr, " of %lld", static_cast<long long>(of));
-    std::fprintf(stderr, " frames, %s", rest.c_str());
-    std::fflush(stderr);
-  }
-
- private:
-  const bool terminal_ = ::isatty(STDERR_FILENO) == 1;
-  bool shown_ = false;
-  double next_s_ = 0;
-};
-
 // Hands every frame to `take` with what the tracker sees in it, until the input ends or `take`
 // gives false.
 template <class Take>
@@ -164,14 +141,14 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
   std::optional<render::Window> window;
   if (run.show) window.emplace(info.width_px, info.height_px, "handyar calibrate");
   {
-    Progress progress;
+    ProgressLine progress;
     watch(source,
           known_camera ? *known_camera : Camera::from_field_of_view(info.width_px, info.height_px),
           [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& hand) {
             const auto& view = session.add(frame.bgr, hand, tracker.contour_px());
             const Coverage& coverage = session.coverage();
-            progress.show(session.views().size(), info.frame_count,
-                          std::to_string(coverage.views()) + " different views, " +
+            progress.show(std::ssize(session.views()), info.frame_count,
+                          " frames, " + std::to_string(coverage.views()) + " different views, " +
                               std::to_string(coverage.hand_views()) + " of them with the hand");
             if (window && !window->show(draw_guidance(frame.bgr, coverage, view), 0.001))
               return false;
@@ -208,16 +185,20 @@ int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Cam
   std::vector<CalibrationView> views;
   std::optional<render::Window> window;
   if (run.show) window.emplace(info.width_px, info.height_px, "handyar calibrate");
+  cv::Mat picture;
   int with_hand = 0;
   {
-    Progress progress;
+    ProgressLine progress;
     watch(source, camera,
           [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& hand) {
             views.push_back(hand_view(hand, tracker.contour_px()));
             with_hand += views.back().hand_seen();
-            progress.show(views.size(), info.frame_count,
-                          std::to_string(with_hand) + " with five fingertips");
-            return !window || window->show(frame.bgr, 0.001);
+            progress.show(std::ssize(views), info.frame_count,
+                          " frames, " + std::to_string(with_hand) + " with five fingertips");
+            if (!window) return true;
+            frame.bgr.copyTo(picture);
+            annotate(picture, tracker, camera, hand);
+            return window->show(picture, 0.001);
           });
   }
   if (interrupt() != 0 && !info.live) return 128 + interrupt();

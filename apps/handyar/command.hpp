@@ -2,7 +2,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <functional>
+#include <string>
 
 namespace handyar::cli {
 
@@ -38,5 +40,23 @@ int interrupt() noexcept;
 
 /// Seconds of a clock that never goes back.
 double steady_now_s();
+
+/// How far long work is: a line on standard error that is written over and gone at the end; nothing
+/// where that is no terminal.
+class ProgressLine {
+ public:
+  explicit ProgressLine(std::string before = "") : before_(std::move(before)) {}
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  /// `before`, "12 of 300", `after`; `of` 0: unknown. Ten times a second at most.
+  void show(std::int64_t done, std::int64_t of, const std::string& after = "");
+
+ private:
+  std::string before_;
+  bool shown_ = false;
+  double next_s_ = 0;
+};
 
 }  // namespace handyar::cli

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <unistd.h>
-
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -28,25 +26,6 @@ constexpr const char* kExamples =
     "\\\n"
     "                   --report report\n"
     "  handyar evaluate --stills stills/fingertips.csv --report report";
-
-/// A line that is written over, on a terminal only.
-class ProgressLine {
- public:
-  explicit ProgressLine(std::string what) : what_(std::move(what)) {}
-  ~ProgressLine() {
-    if (terminal_) std::fputs("\r\033[K", stderr);
-  }
-  void show(int done, int promised) const {
-    if (!terminal_) return;
-    std::fprintf(stderr, "\r\033[K%s: %d", what_.c_str(), done);
-    if (promised > 0) std::fprintf(stderr, " of %d", promised);
-    std::fflush(stderr);
-  }
-
- private:
-  std::string what_;
-  const bool terminal_ = ::isatty(STDERR_FILENO) == 1;
-};
 
 /// The command line that this process was started with; empty where the system does not tell.
 std::string command_line() {
@@ -96,12 +75,12 @@ int evaluate(const Evaluation& e) {
 
   std::vector<Analysis> analyses;
   for (const Sequence& s : open_sequences(e.sequences, options)) {
-    ProgressLine line(s.name);
+    ProgressLine line(s.name + ": ");
     analyses.push_back(analyse(record(s, [&](int done, int of) { line.show(done, of); })));
   }
   std::vector<StillResult> stills;
   if (!e.stills.empty()) {
-    ProgressLine line("stills");
+    ProgressLine line("stills: ");
     stills = track_stills(e.stills, [&](int done, int of) { line.show(done, of); });
   }
   const RunDescription run{command_line(), HANDYAR_VERSION};

@@ -91,10 +91,7 @@ Command add_inspect(CLI::App& app) {
       ->required();
   options->add_option("--scene", *scene, "Scene file: objects and their markers (JSON)")
       ->required();
-  options->add_option("--camera", run->camera_file, "Camera file (YAML); else 60 degrees assumed")
-      ->type_name("FILE");
-  options->add_option("--hand", run->hand_file, "Hand file (JSON); else the average adult hand")
-      ->type_name("FILE");
+  add_camera_and_hand(options, *run);
   options->add_option("--video", run->video_out, "Write the video (.mp4, .mkv, .avi)")
       ->type_name("FILE");
   options->add_option("--events", *events, "Write what happens, a line of JSON each")

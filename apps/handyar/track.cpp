@@ -33,10 +33,7 @@ Command add_track(CLI::App& app) {
   const auto run = std::make_shared<TrackingRun>();
   const auto choices = std::make_shared<Choices>();
   options->add_option("INPUT", run->input, "What to track the hand in")->required()->type_name(" ");
-  options->add_option("--camera", run->camera_file, "Camera file (YAML); else 60 degrees assumed")
-      ->type_name("FILE");
-  options->add_option("--hand", run->hand_file, "Hand file (JSON); else the average adult hand")
-      ->type_name("FILE");
+  add_camera_and_hand(options, *run);
   options->add_option("--poses", run->poses_out, "Write one row per frame (CSV)")
       ->type_name("FILE");
   options->add_option("--video", run->video_out, "Write the annotated video (.mp4, .mkv, .avi)")

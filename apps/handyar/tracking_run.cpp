@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tracking_run.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -64,32 +62,6 @@ HandModel hand_of(const TrackingRun& run, Notes& notes) {
   return average_adult_hand();
 }
 
-// A line that is written over, on a terminal only.
-class Progress {
- public:
-  explicit Progress(const io::SourceInfo& input) : input_(input) {}
-  ~Progress() {
-    if (shown_) std::fputs("\r\033[K", stderr);
-  }
-  void show(const Summary& summary) {
-    if (!terminal_ || steady_now_s() < next_s_) return;
-    next_s_ = steady_now_s() + 0.1;
-    shown_ = true;
-    std::fprintf(stderr, "\r\033[K%lld", static_cast<long long>(summary.frames));
-    if (input_.frame_count > 0) {
-      std::fprintf(stderr, " of %lld", static_cast<long long>(input_.frame_count));
-    }
-    std::fprintf(stderr, " frames, %lld tracked", static_cast<long long>(summary.tracked));
-    std::fflush(stderr);
-  }
-
- private:
-  const io::SourceInfo& input_;
-  const bool terminal_ = ::isatty(STDERR_FILENO) == 1;
-  bool shown_ = false;
-  double next_s_ = 0;
-};
-
 // Everything a run writes or shows; opened before the first frame is tracked, so that what cannot
 // be written is known at once.
 struct Outputs {
@@ -121,7 +93,7 @@ std::optional<double> median(std::vector<double>& values) {
 void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& camera,
                HandTracker& tracker, Outputs& outputs, Summary& summary) {
   std::vector<double> times_ms;
-  Progress progress(source.info());
+  ProgressLine progress;
   io::Frame frame;
   cv::Mat picture;
   const double start_s = steady_now_s();
@@ -145,13 +117,21 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
       if (outputs.video) outputs.video->write(picture);
       if (outputs.window && !outputs.window->show(picture, until_due_s())) break;
     }
-    progress.show(summary);
+    progress.show(summary.frames, source.info().frame_count,
+                  " frames, " + std::to_string(summary.tracked) + " tracked");
   }
   summary.median_ms = median(times_ms);
   summary.signal = interrupt();
 }
 
 }  // namespace
+
+void add_camera_and_hand(CLI::App* options, TrackingRun& run) {
+  options->add_option("--camera", run.camera_file, "Camera file (YAML); else 60 degrees assumed")
+      ->type_name("FILE");
+  options->add_option("--hand", run.hand_file, "Hand file (JSON); else the average adult hand")
+      ->type_name("FILE");
+}
 
 Summary track(const TrackingRun& run) {
   require_distinct_files(run);

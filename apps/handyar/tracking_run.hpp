@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "command.hpp"
 #include "handyar/tracker.hpp"
 
 namespace handyar::cli {
@@ -26,6 +27,9 @@ struct TrackingRun {
   Overlay overlay;
   bool annotated = true;  ///< contour, fingertips and axes on the pictures
 };
+
+/// The options --camera and --hand of a subcommand that tracks.
+void add_camera_and_hand(CLI::App* options, TrackingRun& run);
 
 struct Summary {
   std::int64_t frames = 0, tracked = 0;

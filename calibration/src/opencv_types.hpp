@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/core/affine.hpp>
 #include <opencv2/core/eigen.hpp>
 
 #include "handyar/camera.hpp"
@@ -14,13 +15,8 @@ inline cv::Matx33d camera_matrix(const Camera& c) {
 }
 
 inline Eigen::Isometry3d isometry(const cv::Vec3d& rotation, const cv::Vec3d& translation) {
-  cv::Matx33d R;
-  cv::Rodrigues(rotation, R);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) T.linear()(i, j) = R(i, j);
-    T.translation()[i] = translation[i];
-  }
+  Eigen::Isometry3d T;
+  cv::cv2eigen(cv::Affine3d(rotation, translation).matrix, T.matrix());
   return T;
 }
 

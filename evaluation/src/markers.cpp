@@ -10,6 +10,7 @@
 #include <map>
 #include <opencv2/aruco.hpp>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/core/affine.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -22,13 +23,8 @@ cv::Matx33d matrix_of(const Camera& c) {
 }
 
 Eigen::Isometry3d isometry(const cv::Vec3d& rotation, const cv::Vec3d& translation) {
-  cv::Matx33d R;
-  cv::Rodrigues(rotation, R);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) T.linear()(r, c) = R(r, c);
-    T.translation()[r] = translation[r];
-  }
+  Eigen::Isometry3d T;
+  cv::cv2eigen(cv::Affine3d(rotation, translation).matrix, T.matrix());
   return T;
 }
 
