@@ -95,6 +95,7 @@ Command add_inspect(CLI::App& app) {
       ->type_name("FILE");
   options->add_option("--hand", run->hand_file, "Hand file (JSON); else the average adult hand")
       ->type_name("FILE");
+  options->add_option("--skin", run->skin_file, kSkinHelp)->type_name("FILE");
   options->add_option("--video", run->video_out, "Write the video (.mp4, .mkv, .avi)")
       ->type_name("FILE");
   options->add_option("--events", *events, "Write what happens, a line of JSON each")

@@ -37,6 +37,7 @@ Command add_track(CLI::App& app) {
       ->type_name("FILE");
   options->add_option("--hand", run->hand_file, "Hand file (JSON); else the average adult hand")
       ->type_name("FILE");
+  options->add_option("--skin", run->skin_file, kSkinHelp)->type_name("FILE");
   options->add_option("--poses", run->poses_out, "Write one row per frame (CSV)")
       ->type_name("FILE");
   options->add_option("--video", run->video_out, "Write the annotated video (.mp4, .mkv, .avi)")

@@ -16,6 +16,7 @@
 #include "handyar/io/frame_source.hpp"
 #include "handyar/io/hand_file.hpp"
 #include "handyar/io/pose_csv.hpp"
+#include "handyar/io/skin_file.hpp"
 #include "handyar/io/video_writer.hpp"
 #include "handyar/render/window.hpp"
 
@@ -29,7 +30,7 @@ bool same_file(const std::string& a, const std::string& b) {
 
 void require_distinct_files(const TrackingRun& run) {
   const std::string* outputs[] = {&run.poses_out, &run.video_out};
-  const std::string* inputs[] = {&run.input, &run.camera_file, &run.hand_file};
+  const std::string* inputs[] = {&run.input, &run.camera_file, &run.hand_file, &run.skin_file};
   for (const std::string* out : outputs) {
     for (const std::string* in : inputs) {
       if (same_file(*out, *in)) throw WrongUsage(*out + " is both read and written");
@@ -159,12 +160,13 @@ Summary track(const TrackingRun& run) {
   Notes notes;
   const Camera camera = camera_of(run, source->info(), notes);
   const HandModel hand = hand_of(run, notes);
+  Config config = run.config;
+  if (!run.skin_file.empty()) config.skin.personal = io::read_skin(run.skin_file);
+  if (run.timings) config.now_s = steady_now_s;
   catch_interrupts();  // from here on there are files to finish
   Outputs outputs(run, source->info());
   for (const std::string& note : notes) std::cerr << "handyar: " << note << '\n';
 
-  Config config = run.config;
-  if (run.timings) config.now_s = steady_now_s;
   HandTracker tracker(camera, hand, config);
   Summary summary;
   summary.live = source->info().live;

@@ -18,7 +18,7 @@ using Overlay = std::function<void(cv::Mat& bgr, std::int64_t frame, const HandT
 /// One run of the tracker over an input; an empty name: not wanted.
 struct TrackingRun {
   std::string input;
-  std::string camera_file, hand_file;
+  std::string camera_file, hand_file, skin_file;
   std::string poses_out, video_out;
   bool show = false;
   bool timings = true;
