@@ -233,6 +233,34 @@ TEST_F(CliTest, InterruptFinishesTheFiles) {
   EXPECT_LT(lines(poses), 201);
 }
 
+TEST_F(CliTest, DebugWritesTheStagesOfTheChosenFrames) {
+  const Outcome r = run("track " + kVideo + " --debug " + out("") + " --debug-frames 0,60-61");
+  EXPECT_EQ(r.code, 0) << r.err;
+  std::set<std::string> wanted;
+  for (const char* frame : {"frame_000060_", "frame_000061_"})
+    for (const char* stage : {"1_input.png", "2_likelihood.png", "3_region.png", "4_contour.png",
+                              "5_fingertips.png", "6_pose.png"})
+      wanted.insert(std::string(frame) + stage);
+  for (const std::string& name : wanted) EXPECT_TRUE(left().contains(name)) << name;
+  EXPECT_TRUE(left().contains("frame_000000_2_likelihood.png"));
+  EXPECT_FALSE(left().contains("frame_000000_6_pose.png")) << "no pose in the first frame";
+  for (const std::string& name : left()) EXPECT_EQ(name.substr(name.size() - 4), ".png");
+
+  const Outcome late = run("track " + kVideo + " --debug " + in("late") + " --debug-frames 88-90");
+  EXPECT_EQ(late.code, 1);
+  EXPECT_EQ(late.err.substr(late.err.rfind("handyar: ")),
+            "handyar: " + kVideo + ": --debug-frames asks for frame 90, the last one is 89\n");
+  write("file", "");
+  fs::remove_all(root_ / "out");
+  fs::create_directories(root_ / "out");
+  expect_refused(kVideo + " --debug " + in("file"), in("file"), "cannot be made");
+  expect_refused(kVideo + " --debug /proc/stages", "/proc/stages", "cannot be made");
+  for (const char* frames : {"x", "5-", "7-3", "1,,2", "-1", "99999999999999999999"})
+    EXPECT_EQ(run("track " + kVideo + " --debug " + in("d") + " --debug-frames " + frames).code, 2)
+        << frames;
+  EXPECT_EQ(run("track " + kVideo + " --debug-frames 3").code, 2);
+}
+
 TEST_F(CliTest, LearnsColoursAndTracksWithThem) {
   const Outcome learned = run("learn-color " + kVideo + " --out " + out("skin.json"));
   EXPECT_EQ(learned.code, 0) << learned.err;

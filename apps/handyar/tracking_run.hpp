@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "debug_pictures.hpp"
 #include "handyar/tracker.hpp"
 
 namespace handyar::cli {
@@ -20,6 +21,8 @@ struct TrackingRun {
   std::string input;
   std::string camera_file, hand_file, skin_file;
   std::string poses_out, video_out;
+  std::string debug_folder;  ///< for the stages of `debug_frames`
+  FrameSet debug_frames;
   bool show = false;
   bool timings = true;
   Config config;
@@ -29,9 +32,11 @@ struct TrackingRun {
 
 struct Summary {
   std::int64_t frames = 0, tracked = 0;
+  std::int64_t last_frame = 0;      ///< its number
   std::optional<double> median_ms;  ///< of the tracker, a frame; empty without timings
   int signal = 0;                   ///< what ended the run early, or 0
   bool live = false;
+  bool ended_early = false;  ///< by a signal or at the window
 };
 
 /// Runs it. Faults of inputs and outputs come as io::Error; what was read before such a fault is
