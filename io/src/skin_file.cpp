@@ -11,7 +11,7 @@
 namespace handyar::io {
 namespace {
 
-constexpr double kMaxShare = 1e9;  // also counts will do
+constexpr float kMaxShare = 1e9f;  // also counts will do
 
 const Json& field(const Json& root, const char* key, std::string_view name) {
   const auto found = root.find(key);
@@ -30,9 +30,9 @@ SkinColors::Entry read_entry(const Json& row, const std::string& what, std::stri
     bin = bin << 5 | row[k].get<int>() >> 3;
   }
   if (!row[3].is_number()) fail(": share is not a number");
-  const double share = row[3].get<double>();
+  const float share = row[3].get<float>();
   if (!(share > 0 && share <= kMaxShare)) fail(": share is not a positive number within reason");
-  return {static_cast<ColorBin>(bin), static_cast<float>(share)};
+  return {static_cast<ColorBin>(bin), share};
 }
 
 SkinColors read_fields(const Json& root, std::string_view name) {
@@ -60,6 +60,7 @@ SkinColors read_fields(const Json& root, std::string_view name) {
     colors.entries.push_back(e);
   }
   for (SkinColors::Entry& e : colors.entries) e.share = static_cast<float>(e.share / total);
+  std::erase_if(colors.entries, [](const SkinColors::Entry& e) { return !(e.share > 0); });
   return colors;
 }
 
