@@ -72,6 +72,15 @@ ColorSpace color_space(PixelFormat format) noexcept {
                                                                     : ColorSpace::rgb;
 }
 
+Eigen::Vector3d rgb_of(ColorBin bin, ColorSpace space) noexcept {
+  const auto centre = [](int level) { return level * 8 + 4.0; };
+  const Eigen::Vector3d p(centre(bin >> 10), centre((bin >> 5) & 31), centre(bin & 31));
+  if (space == ColorSpace::rgb) return p;
+  const double y = (p[0] - 16) * 255 / 219;
+  const double cb = (p[1] - 128) * 255 / 224, cr = (p[2] - 128) * 255 / 224;
+  return {y + 1.402 * cr, y - 0.344136 * cb - 0.714136 * cr, y + 1.772 * cb};
+}
+
 void read_bins(const ImageView& frame, const PixelRect& roi, int step_px, BinImage& out) noexcept {
   const int x0 = std::clamp(roi.x0_px, 0, frame.width_px);
   const int y0 = std::clamp(roi.y0_px, 0, frame.height_px);

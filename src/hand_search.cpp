@@ -27,17 +27,6 @@ constexpr int kPatchColumns = 10, kPatchRows = 8, kTriedPatches = 24;
 
 int coarse(int bin) { return (bin >> 11) << 8 | ((bin >> 6) & 15) << 4 | ((bin >> 1) & 15); }
 
-struct Rgb {
-  int r, g, b;
-};
-
-Rgb rgb_of(int bin, ColorSpace space) {
-  const int a = (bin >> 10) * 8 + 4, b = ((bin >> 5) & 31) * 8 + 4, c = (bin & 31) * 8 + 4;
-  if (space == ColorSpace::rgb) return {a, b, c};
-  const double l = 1.164 * (a - 16), cb = b - 128, cr = c - 128;
-  return {int(l + 1.596 * cr), int(l - 0.392 * cb - 0.813 * cr), int(l + 2.017 * cb)};
-}
-
 std::int8_t clamp8(double x) { return static_cast<std::int8_t>(std::clamp(x, -127.0, 127.0)); }
 
 HandShapeConfig shape_to_look_for(const HandSearchConfig& config, HandShapeConfig shape) {
@@ -72,11 +61,11 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
   if (!fixed_channels_ready_) {
     fixed_channels_ready_ = true;
     for (int i = 0; i < kBinCount; ++i) {
-      const Rgb p = rgb_of(i, space_);
-      const double luma = 0.299 * p.r + 0.587 * p.g + 0.114 * p.b;
+      const Eigen::Vector3d rgb = rgb_of(static_cast<ColorBin>(i), space_);
+      const double luma = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
       channels_[kLuma][i] = clamp8(luma - 128);
-      channels_[kRed][i] = clamp8(p.r - p.g);
-      channels_[kBlue][i] = clamp8(p.b - 0.5 * (p.r + p.g));
+      channels_[kRed][i] = clamp8(rgb[0] - rgb[1]);
+      channels_[kBlue][i] = clamp8(rgb[2] - 0.5 * (rgb[0] + rgb[1]));
       for (const int c : {kLuma, kRed, kBlue})
         channels_[c + kDark - kLuma][i] = static_cast<std::int8_t>(-channels_[c][i]);
       channels_[kPrior][i] = clamp8(skin.prior_other()[i] - skin.prior_skin()[i]);

@@ -14,19 +14,40 @@ constexpr std::uint8_t kPriorTable[2 * kBinCount] = {
 };
 
 constexpr float kMinProbability = 1e-7f;  // below this a bin says nothing: too few pixels ever seen
+constexpr int kPersonalPasses = 4;     // of smoothing: a standard deviation of 1.4 bins a channel
+constexpr float kGeneralShare = 0.6f;  // of the general prior in a bare hand's personal one
 
-/// RGB bin of a YCbCr bin's centre (full-range BT.601), or -1 outside the gamut.
-int rgb_bin_of_ycbcr(int bin) {
-  const double y = (bin >> 10) * 8 + 4.0, cb = ((bin >> 5) & 31) * 8 + 4.0 - 128;
-  const double cr = (bin & 31) * 8 + 4.0 - 128;
-  // Cameras deliver video range: 16..235 luma, 16..240 chroma.
-  const double l = (y - 16) * 255 / 219;
-  const double r = l + 1.596 * 255 / 255 * cr, g = l - 0.392 * cb - 0.813 * cr, b = l + 2.017 * cb;
-  const double slack = 12;  // a bin is 8 wide: its centre may lie just outside
-  for (const double c : {r, g, b})
-    if (c < -slack || c > 255 + slack) return -1;
+/// The RGB bin in which a bin's centre lies, or -1 outside the gamut.
+int rgb_bin_of(int bin, ColorSpace space) {
+  const Eigen::Vector3d rgb = rgb_of(static_cast<ColorBin>(bin), space);
+  constexpr double kSlack = 12;  // a bin is 8 wide: its centre may lie just outside
+  if (rgb.minCoeff() < -kSlack || rgb.maxCoeff() > 255 + kSlack) return -1;
   const auto level = [](double c) { return std::clamp(static_cast<int>(c), 0, 255) >> 3; };
-  return level(r) << 10 | level(g) << 5 | level(b);
+  return level(rgb[0]) << 10 | level(rgb[1]) << 5 | level(rgb[2]);
+}
+
+/// A personal prior in the form of the prior's table. As far as the colours are skin in general, a
+/// part is left to the general prior: its wide flanks hold the shadows and edges of a bare hand,
+/// without which fingertips come out short. Of a glove it knows nothing.
+std::vector<std::uint8_t> prior_of(const SkinColors& colors) {
+  std::vector<float> share(kBinCount), scratch(kBinCount), smooth(kBinCount);
+  float skin = 0;  // share of the colours that are rather skin than not
+  for (const SkinColors::Entry& e : colors.entries) {
+    share[e.rgb_bin] += e.share;
+    if (kPriorTable[e.rgb_bin] < kPriorTable[kBinCount + e.rgb_bin]) skin += e.share;
+  }
+  for (int pass = 0; pass < kPersonalPasses; ++pass) {
+    smooth_histogram(share, scratch, smooth);
+    share.swap(smooth);
+  }
+  const float general = kGeneralShare * std::clamp(skin, 0.0f, 1.0f);
+  std::vector<std::uint8_t> table(kBinCount);
+  for (int i = 0; i < kBinCount; ++i) {
+    const float p = (1 - general) * share[i] + general * std::exp(-kPriorTable[i] / 8.0f);
+    const float minus_log = -8 * std::log(std::max(p, kMinProbability));
+    table[i] = static_cast<std::uint8_t>(std::clamp(minus_log + 0.5f, 0.0f, 255.0f));
+  }
+  return table;
 }
 
 /// Natural logarithm to 1e-3, by the exponent and a cubic; the table needs no more.
@@ -69,14 +90,17 @@ SkinModel::SkinModel(const SkinModelConfig& config)
     h->count.resize(kBinCount);
     h->smooth.resize(kBinCount);
   }
+  if (!config.personal.empty()) personal_ = prior_of(config.personal);
   reset(ColorSpace::rgb);
 }
 
 void SkinModel::reset(ColorSpace space) noexcept {
+  space_ = space;
+  const std::uint8_t* skin = personal_.empty() ? kPriorTable : personal_.data();
   float skin_total = 0, other_total = 0;
   for (int i = 0; i < kBinCount; ++i) {
-    const int from = space == ColorSpace::rgb ? i : rgb_bin_of_ycbcr(i);
-    prior_skin_[i] = from < 0 ? 255 : kPriorTable[from];
+    const int from = rgb_bin_of(i, space);
+    prior_skin_[i] = from < 0 ? 255 : skin[from];
     prior_other_[i] = from < 0 ? 255 : kPriorTable[kBinCount + from];
     skin_total += prior_skin_probability_[i] = std::exp(-prior_skin_[i] / 8.0f);
     other_total += prior_other_probability_[i] = std::exp(-prior_other_[i] / 8.0f);
@@ -108,6 +132,21 @@ void SkinModel::learn(std::span<const ColorBin> hand,
   accumulate(background_, background);
   ++learned_frames_;
   rebuild();
+}
+
+SkinColors SkinModel::learned_colors() const {
+  SkinColors colors;
+  std::vector<float> rgb(kBinCount);
+  float total = 0;
+  for (int i = 0; i < kBinCount; ++i) {
+    const int to = hand_.count[i] > 0 ? rgb_bin_of(i, space_) : -1;
+    if (to < 0) continue;
+    rgb[to] += hand_.count[i];
+    total += hand_.count[i];
+  }
+  for (int i = 0; i < kBinCount; ++i)
+    if (rgb[i] > 0) colors.entries.push_back({static_cast<ColorBin>(i), rgb[i] / total});
+  return colors;
 }
 
 void SkinModel::rebuild() noexcept {

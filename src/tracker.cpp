@@ -533,6 +533,15 @@ HandMask HandTracker::mask() const noexcept {
 
 const HandModel& HandTracker::hand() const noexcept { return impl_->hand(impl_->found.layout); }
 
+std::span<const std::int8_t> HandTracker::color_ratios() const noexcept {
+  return impl_->skin.ratios();
+}
+
+SkinColors HandTracker::learned_colors() const {
+  const bool tracking = impl_->state == State::tracking;
+  return (tracking ? impl_->skin : impl_->trusted_skin).learned_colors();
+}
+
 void HandTracker::reset() noexcept { impl_->forget(); }
 
 }  // namespace handyar

@@ -159,7 +159,8 @@ TEST_F(CliTest, WrongUsageIsTwo) {
 
 TEST_F(CliTest, HelpVersionAndCamerasSucceed) {
   EXPECT_EQ(run("--version").out.rfind("handyar ", 0), 0u);
-  for (const char* arguments : {"--help", "track --help", "demo --help", "cameras --help"}) {
+  for (const char* arguments :
+       {"--help", "track --help", "demo --help", "cameras --help", "learn-color --help"}) {
     const Outcome r = run(arguments);
     EXPECT_EQ(r.code, 0) << arguments;
     EXPECT_EQ(r.err, "");
@@ -230,6 +231,75 @@ TEST_F(CliTest, InterruptFinishesTheFiles) {
   const std::string poses = contents(out("p.csv"));
   EXPECT_EQ(poses.back(), '\n');
   EXPECT_LT(lines(poses), 201);
+}
+
+TEST_F(CliTest, DebugWritesTheStagesOfTheChosenFrames) {
+  const Outcome r = run("track " + kVideo + " --debug " + out("") + " --debug-frames 0,60-61");
+  EXPECT_EQ(r.code, 0) << r.err;
+  std::set<std::string> wanted;
+  for (const char* frame : {"frame_000060_", "frame_000061_"})
+    for (const char* stage : {"1_input.png", "2_likelihood.png", "3_region.png", "4_contour.png",
+                              "5_fingertips.png", "6_pose.png"})
+      wanted.insert(std::string(frame) + stage);
+  for (const std::string& name : wanted) EXPECT_TRUE(left().contains(name)) << name;
+  EXPECT_TRUE(left().contains("frame_000000_2_likelihood.png"));
+  EXPECT_FALSE(left().contains("frame_000000_6_pose.png")) << "no pose in the first frame";
+  for (const std::string& name : left()) EXPECT_EQ(name.substr(name.size() - 4), ".png");
+
+  const Outcome late = run("track " + kVideo + " --debug " + in("late") + " --debug-frames 88-90");
+  EXPECT_EQ(late.code, 1);
+  EXPECT_EQ(late.err.substr(late.err.rfind("handyar: ")),
+            "handyar: " + kVideo + ": --debug-frames asks for frame 90, the last one is 89\n");
+  write("file", "");
+  fs::remove_all(root_ / "out");
+  fs::create_directories(root_ / "out");
+  expect_refused(kVideo + " --debug " + in("file"), in("file"), "cannot be made");
+  expect_refused(kVideo + " --debug /proc/stages", "/proc/stages", "cannot be made");
+  for (const char* frames : {"x", "5-", "7-3", "1,,2", "-1", "99999999999999999999"})
+    EXPECT_EQ(run("track " + kVideo + " --debug " + in("d") + " --debug-frames " + frames).code, 2)
+        << frames;
+  EXPECT_EQ(run("track " + kVideo + " --debug-frames 3").code, 2);
+}
+
+TEST_F(CliTest, LearnsColoursAndTracksWithThem) {
+  const Outcome learned = run("learn-color " + kVideo + " --out " + out("skin.json"));
+  EXPECT_EQ(learned.code, 0) << learned.err;
+  EXPECT_EQ(learned.err, "");
+  EXPECT_NE(learned.out.find(" colours from 1.0 s of a tracked hand"), std::string::npos)
+      << learned.out;
+  EXPECT_EQ(left(), std::set<std::string>{"skin.json"});
+  const Outcome tracked = run("track " + kVideo + " --skin " + out("skin.json"));
+  EXPECT_EQ(tracked.code, 0) << tracked.err;
+  EXPECT_EQ(tracked.out.rfind("90 frames, 9", 0), 0u) << tracked.out;  // 9x.x % tracked
+
+  write("skin.json", "{\"format\": \"handyar-skin\", \"version\": 7}");
+  for (const std::string& command :
+       {"track " + kVideo, std::string("demo --out ") + in("demo"),
+        "inspect " + kVideo + " --scene " + kData + "/scene_select.json",
+        "calibrate " + kVideo + " --board 8x6 --square-mm 25 --hand-out " + in("h.json"),
+        "evaluate " + kVideo + " --report " + in("report")}) {
+    const Outcome r = run(command + " --skin " + in("skin.json"));
+    EXPECT_EQ(r.code, 1) << command;
+    EXPECT_EQ(r.err, "handyar: " + in("skin.json") + ": version 7 is not known, only 1\n");
+  }
+}
+
+TEST_F(CliTest, NoColoursAreLearnedWithoutAHand) {
+  const auto no_hand = [&](const std::string& arguments, const std::string& subject,
+                           const std::string& fault) {
+    const Outcome r = run("learn-color " + arguments + " --out " + out("skin.json"));
+    EXPECT_EQ(r.code, 1) << arguments;
+    EXPECT_EQ(r.err.rfind("handyar: " + subject + ": ", 0), 0u) << r.err;
+    EXPECT_EQ(lines(r.err), 1) << r.err;
+    EXPECT_NE(r.err.find(fault), std::string::npos) << r.err;
+    EXPECT_EQ(left(), std::set<std::string>{});
+  };
+  write("wall.ppm", "P6\n160 120\n255\n" + std::string(160 * 120 * 3, 'x'));
+  no_hand(in("wall.ppm"), in("wall.ppm"), "an open hand was tracked for 0.0 s, 0.5 s are needed");
+  no_hand(in("no.mp4"), in("no.mp4"), "no such file");
+  EXPECT_EQ(run("learn-color " + kVideo).code, 2) << "--out is missing";
+  EXPECT_EQ(run("learn-color " + kVideo + " --out " + kVideo).code, 2);
+  EXPECT_EQ(run("learn-color " + kVideo + " --out /proc/skin.json").code, 1);
 }
 
 TEST_F(CliTest, DemoMakesVideoAndPoses) {

@@ -194,6 +194,29 @@ TEST(ColorBins, CentresOfBinsInInputPixels) {
   EXPECT_EQ(image.y_px(2), 24.5);
 }
 
+TEST(ColorBins, RgbOfAYCbCrColourIsBt601InVideoRange) {
+  const struct {
+    int y, cb, cr;
+    Eigen::Vector3d rgb;
+  } cases[] = {{235, 128, 128, {255, 255, 255}}, {16, 128, 128, {0, 0, 0}},
+               {81, 90, 240, {255, 0, 0}},       {145, 54, 34, {0, 255, 0}},
+               {41, 240, 110, {0, 0, 255}},      {170, 108, 148, {211, 171, 139}}};
+  for (const auto& c : cases) {
+    const int level[] = {c.y / 8, c.cb / 8, c.cr / 8};
+    const Eigen::Vector3d at =
+        rgb_of(static_cast<ColorBin>(level[0] << 10 | level[1] << 5 | level[2]), ColorSpace::ycbcr);
+    // The colour lies up to half a bin from its centre: 4 times the row's sum of coefficients.
+    const Eigen::Vector3d limit(1.164 + 1.596, 1.164 + 0.392 + 0.813, 1.164 + 2.017);
+    EXPECT_TRUE(((at - c.rgb).array().abs() <= 4 * limit.array() + 1).all()) << at.transpose();
+  }
+  // The middle of the range, exactly: grey of luma 132 with both chromas at 132.
+  const Eigen::Vector3d grey = rgb_of(16 << 10 | 16 << 5 | 16, ColorSpace::ycbcr);
+  const double y = 116 * 255.0 / 219, chroma = 4 * 255.0 / 224;
+  EXPECT_TRUE(grey.isApprox(
+      Eigen::Vector3d(y + 1.402 * chroma, y - 1.05828 * chroma, y + 1.772 * chroma), 1e-5));
+  EXPECT_EQ(rgb_of(3 << 10 | 30 << 5 | 7, ColorSpace::rgb), Eigen::Vector3d(28, 244, 60));
+}
+
 TEST(ColorBins, GreyHasNone) {
   const Colors c = random_colors(40, 30, "Grey");
   Stored s = store(c, PixelFormat::rgb, 0, false);

@@ -17,6 +17,7 @@
 #include "handyar/io/latest_frame.hpp"
 #include "handyar/io/pose_csv.hpp"
 #include "handyar/io/sample.hpp"
+#include "handyar/io/skin_file.hpp"
 #include "handyar/io/video_writer.hpp"
 #include "handyar/tracker.hpp"
 
@@ -246,6 +247,62 @@ TEST_F(IoTest, FaultyHandFilesAreRefusedByField) {
        std::initializer_list<std::string>{"", "[]", "7", "{", "{\"format\": 1}", "\"\\u0000\""}) {
     EXPECT_NE(fault_of([&] { parse_hand(text, "h.json"); }), "") << text;
   }
+}
+
+TEST_F(IoTest, SkinIsReadBackAsWritten) {
+  const SkinColors colors{{{0, 0.5f}, {25 << 10 | 18 << 5 | 14, 0.3f}, {kBinCount - 1, 0.2f}}};
+  write_skin(path("skin.json"), colors);
+  const SkinColors read = read_skin(path("skin.json"));
+  ASSERT_EQ(read.entries.size(), colors.entries.size());
+  for (std::size_t i = 0; i < colors.entries.size(); ++i) {
+    EXPECT_EQ(read.entries[i].rgb_bin, colors.entries[i].rgb_bin);
+    EXPECT_NEAR(read.entries[i].share, colors.entries[i].share, 1e-6);
+  }
+  EXPECT_NE(read_text(path("skin.json")).find("[204, 148, 116, 0.3]"), std::string::npos);
+
+  // Written by hand: any colours, any measure of how much of each.
+  const SkinColors glove = parse_skin(
+      "{\"format\": \"handyar-skin\", \"version\": 1,"
+      " \"colors\": [[40, 90, 200, 3], [30, 70, 160, 1]]}",
+      "glove.json");
+  ASSERT_EQ(glove.entries.size(), 2u);
+  EXPECT_EQ(glove.entries[0].rgb_bin, 5 << 10 | 11 << 5 | 25);
+  EXPECT_FLOAT_EQ(glove.entries[0].share, 0.75f);
+}
+
+TEST_F(IoTest, FaultySkinFilesAreRefusedByField) {
+  const std::string good = format_skin({{{0, 0.5f}, {25 << 10 | 18 << 5 | 14, 0.25f}}});
+  const struct {
+    const char *what, *by, *fault;
+  } cases[] = {
+      {"handyar-skin", "skin", "format is not handyar-skin"},
+      {"\"version\": 1", "\"version\": 2", "version 2 is not known, only 1"},
+      {"\"version\": 1", "\"version\": \"1\"", "version is not a whole number"},
+      {"\"version\"", "\"edition\"", "version is missing"},
+      {"\"colors\"", "\"colours\"", "colors is missing"},
+      {", 0.5]", "]", "colors: number 1 is not [red, green, blue, share]"},
+      {"[4, 4, 4", "[4, 4, 4, 4", "colors: number 1 is not [red, green, blue, share]"},
+      {"[4, 4, 4", "[4, 4, 256", "colors: number 1: red, green and blue are whole numbers"},
+      {"[4, 4, 4", "[-1, 4, 4", "colors: number 1: red, green and blue are whole numbers"},
+      {"[4, 4, 4", "[4.5, 4, 4", "colors: number 1: red, green and blue are whole numbers"},
+      {"0.25", "0", "colors: number 2: share is not a positive number"},
+      {"0.25", "-0.25", "colors: number 2: share is not a positive number"},
+      {"0.25", "1e300", "colors: number 2: share is not a positive number"},
+      {"0.25", "1e999", "is not valid JSON"},
+      {"0.25", "NaN", "is not valid JSON"},
+      {"0.25", "null", "colors: number 2: share is not a number"},
+      {"[204, 148, 116", "[7, 0, 3", "colors: number 2 lies in the same bin as number 1"},
+  };
+  for (const auto& c : cases) {
+    const std::string fault = fault_of([&] { parse_skin(replaced(good, c.what, c.by), "s.json"); });
+    EXPECT_EQ(fault.rfind(std::string("s.json: ") + c.fault, 0), 0u) << fault;
+  }
+  for (const std::string& text : std::initializer_list<std::string>{
+           "", "[]", "7", "{", "{\"format\": 1}",
+           "{\"format\": \"handyar-skin\", \"version\": 1, \"colors\": []}"}) {
+    EXPECT_NE(fault_of([&] { parse_skin(text, "s.json"); }), "") << text;
+  }
+  EXPECT_EQ(fault_of([&] { read_skin(path("none.json")); }).rfind(path("none.json") + ": ", 0), 0u);
 }
 
 TEST_F(IoTest, PoseRowsAreTheSameInEveryLocale) {

@@ -118,6 +118,43 @@ TEST_P(SkinModelIn, AColourNeverSeenKeepsThePriorsOpinion) {
   EXPECT_LT(ratio({40, 160, 60}), 0);
 }
 
+TEST_P(SkinModelIn, GivesBackWhatItLearnedAsRgb) {
+  EXPECT_TRUE(model.learned_colors().empty());
+  for (int i = 0; i < 5; ++i)
+    model.learn(seen({40, 70, 190}, "glove"), seen({198, 150, 120}, "wall"));
+  double total = 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const SkinColors::Entry& e : model.learned_colors().entries) {
+    EXPECT_GT(e.share, 0);
+    total += e.share;
+    mean += e.share * rgb_of(e.rgb_bin, ColorSpace::rgb);
+  }
+  EXPECT_NEAR(total, 1, 1e-4);
+  EXPECT_LT((mean - Eigen::Vector3d(40, 70, 190)).cwiseAbs().maxCoeff(), 5) << mean.transpose();
+}
+
+TEST_P(SkinModelIn, PersonalColoursTakeThePriorsPlaceInEitherSpace) {
+  const Rgb glove{40, 70, 190};
+  for (const ColorSpace learned_in : {ColorSpace::rgb, ColorSpace::ycbcr}) {
+    SkinModel teacher;
+    teacher.reset(learned_in);
+    teacher.learn(surface(glove, learned_in, "glove"),
+                  surface({128, 128, 128}, learned_in, "wall"));
+    SkinModelConfig config;
+    config.personal = teacher.learned_colors();
+    model = SkinModel(config);
+    model.reset(GetParam());
+    EXPECT_FALSE(model.has_learned());
+    EXPECT_GT(ratio(glove), 16);
+    EXPECT_GT(ratio({50, 85, 210}), 0) << "the same glove in a little more light";
+    for (const Rgb& c : kSkin) EXPECT_LT(ratio(c), 0) << c;
+    double total = 0;
+    for (const std::uint8_t x : model.prior_skin()) total += x == 255 ? 0 : std::exp(-x / 8.0);
+    // A bin of YCbCr has 6.38 times the volume of one of RGB, and the prior is the middle's.
+    EXPECT_NEAR(total, GetParam() == ColorSpace::rgb ? 1 : 1 / 6.38, 0.03);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Spaces, SkinModelIn, testing::Values(ColorSpace::rgb, ColorSpace::ycbcr));
 
 TEST(SkinModel, ThePriorsAreProbabilitiesOverTheBins) {

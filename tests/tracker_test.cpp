@@ -260,6 +260,42 @@ TEST(Tracker, ContourAndMaskAreWhereTheHandIs) {
   }
 }
 
+TEST(Tracker, AGloveIsFoundByItsShapeAndItsColoursAreGivenBack) {
+  const auto wear = [](Film& film, const test::Bgr& color) {
+    film.present = false;
+    film.textured = true;
+    film.extra = [&film, color](Picture& p) {
+      p.paint(film.hand, film.camera, film.T_camera_hand, color);
+    };
+  };
+  Film film;
+  wear(film, {200, 90, 40});
+  EXPECT_TRUE(film.tracker.learned_colors().empty());
+  ASSERT_LT(film.until(State::tracking, 2), 2);
+  for (int i = 0; i < 15; ++i) film.next();
+  EXPECT_EQ(film.result.state, State::tracking);
+  EXPECT_LT(film.worst_tip_px(), 4);
+  const SkinColors colors = film.tracker.learned_colors();
+  double glove = 0, total = 0;
+  for (const SkinColors::Entry& e : colors.entries) {
+    const Eigen::Vector3d away = rgb_of(e.rgb_bin, ColorSpace::rgb) - Eigen::Vector3d(40, 90, 200);
+    if (away.cwiseAbs().maxCoeff() < 24) glove += e.share;
+    total += e.share;
+  }
+  EXPECT_NEAR(total, 1, 1e-3);
+  EXPECT_GT(glove, 0.93) << "but for edges";
+
+  Config config;
+  config.skin.personal = colors;
+  Film again(config);
+  wear(again, {200, 90, 40});
+  EXPECT_LT(again.until(State::tracking, 1), 0.42) << "known from the first frame on";
+  again.tracker.reset();
+  EXPECT_LT(again.until(State::tracking, 1), 0.42) << "and still known after a reset";
+  film.tracker.reset();
+  EXPECT_TRUE(film.tracker.learned_colors().empty());
+}
+
 TEST(Tracker, PredictsThePoseForDisplay) {
   Film film;
   EXPECT_FALSE(film.tracker.predict(0.01));

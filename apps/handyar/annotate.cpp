@@ -70,6 +70,10 @@ struct Pen {
   }
 };
 
+Pen pen_for(cv::Mat& bgr) {
+  return {bgr, std::max(0.6, std::min(bgr.cols / 640.0, bgr.rows / 480.0))};
+}
+
 void draw_contour(const Pen& pen, std::span<const Eigen::Vector2f> contour_px) {
   if (contour_px.size() < 3) return;
   std::vector<cv::Point> points;
@@ -155,13 +159,20 @@ void draw_status(const Pen& pen, const TrackResult& result) {
 
 }  // namespace
 
+void draw_contour(cv::Mat& bgr, std::span<const Eigen::Vector2f> contour_px) {
+  draw_contour(pen_for(bgr), contour_px);
+}
+void draw_tips(cv::Mat& bgr, const TrackResult& result) { draw_tips(pen_for(bgr), result); }
+void draw_axes(cv::Mat& bgr, const Camera& camera, const Eigen::Isometry3d& T_camera_hand) {
+  draw_axes(pen_for(bgr), camera, T_camera_hand);
+}
+
 void annotate(cv::Mat& bgr, const HandTracker& tracker, const Camera& camera,
               const TrackResult& result) {
-  const Pen pen{bgr, std::max(0.6, std::min(bgr.cols / 640.0, bgr.rows / 480.0))};
-  draw_contour(pen, tracker.contour_px());
-  if (result.pose) draw_axes(pen, camera, result.pose->T_camera_hand);
-  draw_tips(pen, result);
-  draw_status(pen, result);
+  draw_contour(bgr, tracker.contour_px());
+  if (result.pose) draw_axes(bgr, camera, result.pose->T_camera_hand);
+  draw_tips(bgr, result);
+  draw_status(pen_for(bgr), result);
 }
 
 }  // namespace handyar::cli

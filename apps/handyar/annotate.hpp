@@ -13,4 +13,9 @@ namespace handyar::cli {
 void annotate(cv::Mat& bgr, const HandTracker& tracker, const Camera& camera,
               const TrackResult& result);
 
+/// Its parts, alone.
+void draw_contour(cv::Mat& bgr, std::span<const Eigen::Vector2f> contour_px);
+void draw_tips(cv::Mat& bgr, const TrackResult& result);
+void draw_axes(cv::Mat& bgr, const Camera& camera, const Eigen::Isometry3d& T_camera_hand);
+
 }  // namespace handyar::cli

@@ -16,6 +16,7 @@
 #include "handyar/io/frame_source.hpp"
 #include "handyar/io/hand_file.hpp"
 #include "handyar/io/pending_file.hpp"
+#include "handyar/io/skin_file.hpp"
 #include "handyar/render/window.hpp"
 
 namespace handyar::cli {
@@ -34,7 +35,7 @@ constexpr const char* kNotes =
 enum class HandMethod { triangulation, plane };
 
 struct CalibrateRun {
-  std::string input, camera_file, camera_out, hand_out, picture_out;
+  std::string input, camera_file, skin_file, camera_out, hand_out, picture_out;
   std::string grid;
   double square_mm = 0, thickness_mm = 5;
   HandMethod method = HandMethod::triangulation;
@@ -70,8 +71,8 @@ void check_usage(const CalibrateRun& run) {
   if (const auto type = std::filesystem::path(run.picture_out).extension();
       !run.picture_out.empty() && type != ".png" && type != ".jpg")
     throw WrongUsage("--picture " + run.picture_out + " is neither .png nor .jpg");
-  const std::string* files[] = {&run.input, &run.camera_file, &run.camera_out, &run.hand_out,
-                                &run.picture_out};
+  const std::string* files[] = {&run.input,      &run.camera_file, &run.skin_file,
+                                &run.camera_out, &run.hand_out,    &run.picture_out};
   for (std::size_t i = 0; i < std::size(files); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (!files[i]->empty() && *files[i] == *files[j])
@@ -81,8 +82,10 @@ void check_usage(const CalibrateRun& run) {
 // Hands every frame to `take` with what the tracker sees in it, until the input ends or `take`
 // gives false.
 template <class Take>
-void watch(io::FrameSource& source, const Camera& camera, Take take) {
-  HandTracker tracker(camera, average_adult_hand());
+void watch(io::FrameSource& source, const Camera& camera, const SkinColors& skin, Take take) {
+  Config config;
+  config.skin.personal = skin;
+  HandTracker tracker(camera, average_adult_hand(), config);
   io::Frame frame;
   catch_interrupts();
   while (interrupt() == 0 && source.read(frame)) {
@@ -134,7 +137,7 @@ void report(const SelfCalibration& c) {
 }
 
 int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
-                         const Camera* known_camera) {
+                         const Camera* known_camera, const SkinColors& skin) {
   const io::SourceInfo& info = source.info();
   const Board board = board_of(run);
   CalibrationSession session(board, {info.width_px, info.height_px});
@@ -144,7 +147,7 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
     ProgressLine progress;
     watch(source,
           known_camera ? *known_camera : Camera::from_field_of_view(info.width_px, info.height_px),
-          [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& hand) {
+          skin, [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& hand) {
             const auto& view = session.add(frame.bgr, hand, tracker.contour_px());
             const Coverage& coverage = session.coverage();
             progress.show(std::ssize(session.views()), info.frame_count,
@@ -180,7 +183,8 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
   return kDone;
 }
 
-int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Camera& camera) {
+int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Camera& camera,
+                     const SkinColors& skin) {
   const io::SourceInfo& info = source.info();
   std::vector<CalibrationView> views;
   std::optional<render::Window> window;
@@ -189,7 +193,7 @@ int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Cam
   int with_hand = 0;
   {
     ProgressLine progress;
-    watch(source, camera,
+    watch(source, camera, skin,
           [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& hand) {
             views.push_back(hand_view(hand, tracker.contour_px()));
             with_hand += views.back().hand_seen();
@@ -220,9 +224,10 @@ int calibrate(const CalibrateRun& run) {
   if (!run.camera_file.empty())
     camera = io::camera_for_size(io::read_camera(run.camera_file), info.width_px, info.height_px,
                                  run.camera_file);
+  const SkinColors skin = run.skin_file.empty() ? SkinColors{} : io::read_skin(run.skin_file);
   try {
-    return run.self ? calibrate_itself(run, *source, *camera)
-                    : calibrate_with_board(run, *source, camera ? &*camera : nullptr);
+    return run.self ? calibrate_itself(run, *source, *camera, skin)
+                    : calibrate_with_board(run, *source, camera ? &*camera : nullptr, skin);
   } catch (const CalibrationError& e) {
     throw io::Error(info.name, e.what());
   }
@@ -244,6 +249,7 @@ Command add_calibrate(CLI::App& app) {
                       "Write a picture of the result (paper Figure 5)");
   options->add_option("--camera", run->camera_file,
                       "Known camera (YAML): only the hand is measured");
+  options->add_option("--skin", run->skin_file, kSkinHelp);
   options->add_option("--method", run->method, "How the hand is measured")
       ->transform(CLI::CheckedTransformer(std::map<std::string, HandMethod>{
           {"triangulation", HandMethod::triangulation}, {"plane", HandMethod::plane}}))

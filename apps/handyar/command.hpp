@@ -12,6 +12,8 @@ inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kWrongUsage = 2;
 
+inline constexpr const char* kSkinHelp = "Colours of this hand or glove (JSON, from learn-color)";
+
 /// A subcommand: its options are added to the application when it is made, `run` is called when the
 /// user asked for it and gives the exit code.
 struct Command {
@@ -27,6 +29,7 @@ Command add_calibrate(CLI::App& app);
 Command add_board(CLI::App& app);
 Command add_cameras(CLI::App& app);
 Command add_evaluate(CLI::App& app);
+Command add_learn_color(CLI::App& app);
 
 /// Two options that contradict each other and the like: exit code 2.
 struct WrongUsage : std::runtime_error {

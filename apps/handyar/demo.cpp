@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace handyar::cli {
 namespace {
 
-int demo(const std::string& folder) {
+int demo(const std::string& folder, const std::string& skin_file) {
   std::error_code fault;
   fs::create_directories(folder, fault);
   if (fault) throw io::Error(folder, "cannot be made: " + fault.message());
@@ -23,6 +23,7 @@ int demo(const std::string& folder) {
   run.input = "sample";
   run.camera_file = io::data_file("sample/camera.yml");
   run.hand_file = io::data_file("sample/hand.json");
+  run.skin_file = skin_file;
   run.poses_out = (fs::path(folder) / "poses.csv").string();
   run.video_out = (fs::path(folder) / "annotated.mp4").string();
   run.overlay = object_on_hand("teapot", 0.09);
@@ -41,7 +42,9 @@ Command add_demo(CLI::App& app) {
   options->add_option("--out", *folder, "Folder for the annotated video and the poses")
       ->type_name("DIR")
       ->capture_default_str();
-  return {options, [folder] { return demo(*folder); }};
+  const auto skin = std::make_shared<std::string>();
+  options->add_option("--skin", *skin, kSkinHelp)->type_name("FILE");
+  return {options, [folder, skin] { return demo(*folder, *skin); }};
 }
 
 }  // namespace handyar::cli

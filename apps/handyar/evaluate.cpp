@@ -10,6 +10,7 @@
 #include "handyar/evaluation/report.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/pending_file.hpp"
+#include "handyar/io/skin_file.hpp"
 
 namespace handyar::cli {
 namespace {
@@ -39,15 +40,16 @@ std::string command_line() {
 struct Evaluation {
   std::vector<std::string> sequences;
   SequenceOptions options;
-  std::string stills, report;
+  std::string stills, report, skin_file;
   std::string board;
   double square_mm = 0, aruco_mm = 0, apriltag_mm = 0;
   std::string aruco_dictionary = "DICT_4X4_50";
 };
 
-/// What the options say of the prints in view.
-SequenceOptions with_prints(const Evaluation& e) {
+/// What the options say of the person and of the prints in view.
+SequenceOptions sequence_options(const Evaluation& e) {
   SequenceOptions o = e.options;
+  if (!e.skin_file.empty()) o.skin = io::read_skin(e.skin_file);
   if (!e.board.empty()) {
     Board board;
     char end = 0;
@@ -66,7 +68,7 @@ SequenceOptions with_prints(const Evaluation& e) {
 int evaluate(const Evaluation& e) {
   if (e.sequences.empty() && e.stills.empty())
     throw WrongUsage("nothing to evaluate: give a SEQUENCE or --stills");
-  const SequenceOptions options = with_prints(e);
+  const SequenceOptions options = sequence_options(e);
   std::error_code fault;
   std::filesystem::create_directories(e.report, fault);
   if (fault) throw io::Error(e.report, "cannot be written to: " + fault.message());
@@ -81,7 +83,7 @@ int evaluate(const Evaluation& e) {
   std::vector<StillResult> stills;
   if (!e.stills.empty()) {
     ProgressLine line("stills: ");
-    stills = track_stills(e.stills, [&](int done, int of) { line.show(done, of); });
+    stills = track_stills(e.stills, options.skin, [&](int done, int of) { line.show(done, of); });
   }
   const RunDescription run{command_line(), HANDYAR_VERSION};
   for (const std::string& note : write_report(e.report, run, analyses, stills))
@@ -109,6 +111,7 @@ Command add_evaluate(CLI::App& app) {
       ->required();
   options->add_option("--camera", e->options.camera_file, "Camera file (YAML) for all of them");
   options->add_option("--hand", e->options.hand_file, "Hand file (JSON) for all of them");
+  options->add_option("--skin", e->skin_file, kSkinHelp);
   options->add_option("--board", e->board, "Checkerboard in view, inner corners, e.g. 8x6");
   options->add_option("--square-mm", e->square_mm, "Side of its squares")
       ->check(CLI::PositiveNumber);

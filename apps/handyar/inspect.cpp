@@ -91,7 +91,7 @@ Command add_inspect(CLI::App& app) {
       ->required();
   options->add_option("--scene", *scene, "Scene file: objects and their markers (JSON)")
       ->required();
-  add_camera_and_hand(options, *run);
+  add_tracker_files(options, *run);
   options->add_option("--video", run->video_out, "Write the video (.mp4, .mkv, .avi)")
       ->type_name("FILE");
   options->add_option("--events", *events, "Write what happens, a line of JSON each")

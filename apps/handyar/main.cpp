@@ -43,6 +43,7 @@ int run(int argc, char** argv) {
       add_board(app),
       add_cameras(app),
       add_evaluate(app),
+      add_learn_color(app),
   };
   try {
     app.parse(argc, argv);

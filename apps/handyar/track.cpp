@@ -22,9 +22,17 @@ constexpr const char* kExamples =
 struct Choices {
   std::string processing = "full", fingertips = "ellipse";
   bool no_filter = false, no_timings = false, no_annotation = false;
-  std::string model;
+  std::string model, debug_frames;
   double model_mm = 90;
 };
+
+FrameSet debug_frames_of(const Choices& choices, const TrackingRun& run) {
+  if (choices.debug_frames.empty()) return {};
+  if (run.debug_folder.empty()) throw WrongUsage("--debug-frames needs --debug");
+  const auto frames = parse_frames(choices.debug_frames);
+  if (!frames) throw WrongUsage("--debug-frames " + choices.debug_frames + " is not like 10,50-60");
+  return *frames;
+}
 
 }  // namespace
 
@@ -33,7 +41,7 @@ Command add_track(CLI::App& app) {
   const auto run = std::make_shared<TrackingRun>();
   const auto choices = std::make_shared<Choices>();
   options->add_option("INPUT", run->input, "What to track the hand in")->required()->type_name(" ");
-  add_camera_and_hand(options, *run);
+  add_tracker_files(options, *run);
   options->add_option("--poses", run->poses_out, "Write one row per frame (CSV)")
       ->type_name("FILE");
   options->add_option("--video", run->video_out, "Write the annotated video (.mp4, .mkv, .avi)")
@@ -46,6 +54,12 @@ Command add_track(CLI::App& app) {
       ->check(CLI::Range(1.0, 10000.0))
       ->capture_default_str();
   options->add_flag("--show", run->show, "Show it in a window; q or Esc ends");
+  options
+      ->add_option("--debug", run->debug_folder,
+                   "Write the stages from frame to pose, a picture (PNG) each")
+      ->type_name("DIR");
+  options->add_option("--debug-frames", choices->debug_frames, "Of these frames only: 10,50-60")
+      ->type_name("FRAMES");
   options->add_option("--processing", choices->processing, "Work at full or half the input's size")
       ->check(CLI::IsMember({"full", "half"}))
       ->capture_default_str();
@@ -69,6 +83,7 @@ Command add_track(CLI::App& app) {
             if (!choices->model.empty()) {
               run->overlay = object_on_hand(choices->model, choices->model_mm / 1000);
             }
+            run->debug_frames = debug_frames_of(*choices, *run);
             const Summary summary = track(*run);
             std::cout << describe(summary) << '\n';
             return exit_code(summary);

@@ -14,6 +14,7 @@
 #include "handyar/io/frame_source.hpp"
 #include "handyar/io/hand_file.hpp"
 #include "handyar/io/pose_csv.hpp"
+#include "handyar/io/skin_file.hpp"
 #include "handyar/io/video_writer.hpp"
 #include "handyar/render/window.hpp"
 
@@ -27,7 +28,7 @@ bool same_file(const std::string& a, const std::string& b) {
 
 void require_distinct_files(const TrackingRun& run) {
   const std::string* outputs[] = {&run.poses_out, &run.video_out};
-  const std::string* inputs[] = {&run.input, &run.camera_file, &run.hand_file};
+  const std::string* inputs[] = {&run.input, &run.camera_file, &run.hand_file, &run.skin_file};
   for (const std::string* out : outputs) {
     for (const std::string* in : inputs) {
       if (same_file(*out, *in)) throw WrongUsage(*out + " is both read and written");
@@ -68,12 +69,14 @@ struct Outputs {
   std::optional<io::PoseCsvWriter> poses;
   std::optional<io::VideoWriter> video;
   std::optional<render::Window> window;
+  std::optional<DebugPictures> debug;
 
   Outputs(const TrackingRun& run, const io::SourceInfo& input) {
     if (!run.poses_out.empty()) poses.emplace(run.poses_out, run.timings);
     if (!run.video_out.empty()) {
       video.emplace(run.video_out, input.width_px, input.height_px, input.fps);
     }
+    if (!run.debug_folder.empty()) debug.emplace(run.debug_folder, run.debug_frames);
     if (run.show) window.emplace(input.width_px, input.height_px, "handyar");
   }
   bool pictures() const { return video || window; }
@@ -90,6 +93,14 @@ std::optional<double> median(std::vector<double>& values) {
   return *middle;
 }
 
+// Frames that were asked for and never came are a fault, unless somebody ended the run.
+void require_all_seen(const TrackingRun& run, const Summary& summary) {
+  const std::int64_t last = run.debug_frames.last();
+  if (run.debug_folder.empty() || last <= summary.last_frame || summary.ended_early) return;
+  throw io::Error(run.input, "--debug-frames asks for frame " + std::to_string(last) +
+                                 ", the last one is " + std::to_string(summary.last_frame));
+}
+
 void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& camera,
                HandTracker& tracker, Outputs& outputs, Summary& summary) {
   std::vector<double> times_ms;
@@ -101,36 +112,46 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
     return source.info().live ? 0.0 : start_s + frame.time_s - steady_now_s();
   };
   while (interrupt() == 0 && source.read(frame)) {
+    const bool debugged = outputs.debug && run.debug_frames.contains(frame.index);
+    if (debugged) outputs.debug->prepare(tracker);
     const TrackResult result = tracker.process(frame.view(), frame.time_s);
     if (result.status != FrameStatus::ok) {
       throw io::Error(source.info().name, "frame " + std::to_string(frame.index) + ": " +
                                               handyar::describe(result.status));
     }
     ++summary.frames;
+    summary.last_frame = frame.index;
     summary.tracked += result.state == State::tracking;
     if (run.timings) times_ms.push_back(result.times.total_ms);
     if (outputs.poses) outputs.poses->write(frame.index, result);
+    if (debugged)
+      outputs.debug->write(frame.bgr, frame.index, tracker, run.config.fingertips, camera, result);
     if (outputs.pictures() || run.overlay) {
       frame.bgr.copyTo(picture);
       if (run.annotated) annotate(picture, tracker, camera, result);
       if (run.overlay) run.overlay(picture, frame.index, tracker, camera, result);
       if (outputs.video) outputs.video->write(picture);
-      if (outputs.window && !outputs.window->show(picture, until_due_s())) break;
+      if (outputs.window && !outputs.window->show(picture, until_due_s())) {
+        summary.ended_early = true;
+        break;
+      }
     }
     progress.show(summary.frames, source.info().frame_count,
                   " frames, " + std::to_string(summary.tracked) + " tracked");
   }
   summary.median_ms = median(times_ms);
   summary.signal = interrupt();
+  summary.ended_early |= summary.signal != 0;
 }
 
 }  // namespace
 
-void add_camera_and_hand(CLI::App* options, TrackingRun& run) {
+void add_tracker_files(CLI::App* options, TrackingRun& run) {
   options->add_option("--camera", run.camera_file, "Camera file (YAML); else 60 degrees assumed")
       ->type_name("FILE");
   options->add_option("--hand", run.hand_file, "Hand file (JSON); else the average adult hand")
       ->type_name("FILE");
+  options->add_option("--skin", run.skin_file, kSkinHelp)->type_name("FILE");
 }
 
 Summary track(const TrackingRun& run) {
@@ -139,12 +160,13 @@ Summary track(const TrackingRun& run) {
   Notes notes;
   const Camera camera = camera_of(run, source->info(), notes);
   const HandModel hand = hand_of(run, notes);
+  Config config = run.config;
+  if (!run.skin_file.empty()) config.skin.personal = io::read_skin(run.skin_file);
+  if (run.timings) config.now_s = steady_now_s;
   catch_interrupts();  // from here on there are files to finish
   Outputs outputs(run, source->info());
   for (const std::string& note : notes) std::cerr << "handyar: " << note << '\n';
 
-  Config config = run.config;
-  if (run.timings) config.now_s = steady_now_s;
   HandTracker tracker(camera, hand, config);
   Summary summary;
   summary.live = source->info().live;
@@ -155,6 +177,7 @@ Summary track(const TrackingRun& run) {
     throw;
   }
   outputs.finish();
+  require_all_seen(run, summary);
   return summary;
 }
 

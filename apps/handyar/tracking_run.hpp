@@ -7,6 +7,7 @@
 #include <string>
 
 #include "command.hpp"
+#include "debug_pictures.hpp"
 #include "handyar/tracker.hpp"
 
 namespace handyar::cli {
@@ -19,8 +20,10 @@ using Overlay = std::function<void(cv::Mat& bgr, std::int64_t frame, const HandT
 /// One run of the tracker over an input; an empty name: not wanted.
 struct TrackingRun {
   std::string input;
-  std::string camera_file, hand_file;
+  std::string camera_file, hand_file, skin_file;
   std::string poses_out, video_out;
+  std::string debug_folder;  ///< for the stages of `debug_frames`
+  FrameSet debug_frames;
   bool show = false;
   bool timings = true;
   Config config;
@@ -28,14 +31,16 @@ struct TrackingRun {
   bool annotated = true;  ///< contour, fingertips and axes on the pictures
 };
 
-/// The options --camera and --hand of a subcommand that tracks.
-void add_camera_and_hand(CLI::App* options, TrackingRun& run);
+/// The options --camera, --hand and --skin of a subcommand that tracks.
+void add_tracker_files(CLI::App* options, TrackingRun& run);
 
 struct Summary {
   std::int64_t frames = 0, tracked = 0;
+  std::int64_t last_frame = 0;      ///< its number
   std::optional<double> median_ms;  ///< of the tracker, a frame; empty without timings
   int signal = 0;                   ///< what ended the run early, or 0
   bool live = false;
+  bool ended_early = false;  ///< by a signal or at the window
 };
 
 /// Runs it. Faults of inputs and outputs come as io::Error; what was read before such a fault is

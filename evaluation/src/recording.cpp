@@ -24,6 +24,7 @@ double now_s() {
 HandTracker make_tracker(const Sequence& s, FingertipMethod method, bool half_resolution) {
   Config config;
   config.half_resolution = half_resolution;
+  config.skin.personal = s.skin;
   config.fingertips.method = method;
   config.now_s = now_s;
   return HandTracker(s.camera, s.hand, config);

@@ -89,8 +89,9 @@ Letterbox letterbox(const cv::Mat& picture) {
 using Tips = std::array<Eigen::Vector2d, kFingerCount>;
 
 /// The last five tips that the tracker gives on the held picture.
-std::optional<Tips> hold_and_track(const cv::Mat& still, cv::RNG& random) {
-  HandTracker tracker(Camera::from_field_of_view(kWidth_px, kHeight_px), average_adult_hand());
+std::optional<Tips> hold_and_track(const cv::Mat& still, const Config& config, cv::RNG& random) {
+  HandTracker tracker(Camera::from_field_of_view(kWidth_px, kHeight_px), average_adult_hand(),
+                      config);
   std::optional<Tips> found;
   cv::Mat noise(still.size(), CV_16SC3), frame;
   for (int i = 0; i < kFrames; ++i) {
@@ -108,7 +109,7 @@ std::optional<Tips> hold_and_track(const cv::Mat& still, cv::RNG& random) {
 }
 
 StillResult judge(const std::string& list, const Row& row, const cv::Mat& picture,
-                  std::uint64_t seed) {
+                  const Config& config, std::uint64_t seed) {
   StillResult result;
   result.outcome = StillResult::Outcome::not_found;
   result.file = row.at("file");
@@ -123,7 +124,7 @@ StillResult judge(const std::string& list, const Row& row, const cv::Mat& pictur
                 number(list, row, finger + "_y") * box.scale_y + box.top_px};
   }
   cv::RNG random(seed);
-  const std::optional<Tips> tips = hold_and_track(box.frame, random);
+  const std::optional<Tips> tips = hold_and_track(box.frame, config, random);
   if (!tips) return result;
   const double span_px = (truth[0] - truth[4]).norm();
   for (std::size_t i = 0; i < truth.size(); ++i)
@@ -171,7 +172,10 @@ const char* words(StillResult::Outcome outcome) {
 
 }  // namespace
 
-std::vector<StillResult> track_stills(const std::string& list, const Progress& progress) {
+std::vector<StillResult> track_stills(const std::string& list, const SkinColors& skin,
+                                      const Progress& progress) {
+  Config config;
+  config.skin.personal = skin;
   const fs::path folder = fs::path(list).parent_path();
   const std::vector<Row> rows = read_rows(list);
   std::vector<StillResult> results;
@@ -180,7 +184,7 @@ std::vector<StillResult> track_stills(const std::string& list, const Progress& p
     // The annotations are in the pixels as stored, whatever turn the file notes.
     const cv::Mat picture = cv::imread((folder / rows[i].at("file")).string(),
                                        cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-    if (!picture.empty()) results.push_back(judge(list, rows[i], picture, i + 1));
+    if (!picture.empty()) results.push_back(judge(list, rows[i], picture, config, i + 1));
     if (progress) progress(int(i) + 1, int(rows.size()));
   }
   if (results.empty()) throw io::Error(list, "none of its pictures can be read");

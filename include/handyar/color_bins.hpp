@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,6 +18,10 @@ inline constexpr int kBinCount = kBinLevels * kBinLevels * kBinLevels;
 
 enum class ColorSpace : std::uint8_t { rgb, ycbcr };
 ColorSpace color_space(PixelFormat format) noexcept;
+
+/// RGB, 0..255, of a bin's centre. YCbCr is BT.601 in video range (luma 16..235, chroma 16..240),
+/// as cameras deliver it; what it can express beyond RGB comes out beyond 0..255.
+Eigen::Vector3d rgb_of(ColorBin bin, ColorSpace space) noexcept;
 
 /// A rectangle of pixels: x0_px <= x < x0_px + width_px.
 struct PixelRect {

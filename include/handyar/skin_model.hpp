@@ -10,19 +10,33 @@
 
 namespace handyar {
 
+/// The colours of one hand or glove: a distribution over RGB bins, whatever frames it was learned
+/// from. Takes the place of the general skin prior.
+struct SkinColors {
+  struct Entry {
+    ColorBin rgb_bin = 0;
+    float share = 0;
+  };
+  std::vector<Entry> entries;  ///< each bin once; shares are positive and add up to one
+
+  bool empty() const noexcept { return entries.empty(); }
+};
+
 struct SkinModelConfig {
   int learn_frames = 5;  ///< frames over which learned histograms are accumulated (paper: n)
   /// Weight of the prior against what was learned. Less for the hand than for the background:
   /// colours that were seen on neither are rather background.
   double hand_prior_weight = 0.03;
   double background_prior_weight = 0.2;
+  SkinColors personal;  ///< this hand's colours, where known; empty: skin in general
 };
 
 /// Adaptive skin model (paper 2.1): for each colour bin the log likelihood ratio of hand against
 /// background, in eighths of a nat; above zero: rather hand.
 ///
-/// Prior: the mixtures of Jones and Rehg. Learned: histograms of the verified hand and of what
-/// surrounds it. All are probabilities over the same bins, so that they can be mixed.
+/// Prior: the mixtures of Jones and Rehg, or the person's own colours for the hand. Learned:
+/// histograms of the verified hand and of what surrounds it. All are probabilities over the same
+/// bins, so that they can be mixed.
 class SkinModel {
  public:
   using Ratios = std::array<std::int8_t, kBinCount>;
@@ -37,6 +51,9 @@ class SkinModel {
   void learn(std::span<const ColorBin> hand, std::span<const ColorBin> background) noexcept;
 
   bool has_learned() const noexcept { return learned_frames_ > 0; }
+  /// Colours of the hand over the last frames; empty before anything was learned. Takes memory.
+  SkinColors learned_colors() const;
+
   const Ratios& ratios() const noexcept { return ratios_; }
 
   /// -log probability in eighths of a nat of each bin under the prior alone, bin by bin.
@@ -52,6 +69,8 @@ class SkinModel {
   void rebuild() noexcept;
 
   SkinModelConfig config_;
+  ColorSpace space_ = ColorSpace::rgb;
+  std::vector<std::uint8_t> personal_;  // by RGB bin, as the prior's table; empty: none
   std::vector<std::uint8_t> prior_skin_, prior_other_;
   std::vector<float> prior_skin_probability_, prior_other_probability_;
   Histogram hand_, background_;

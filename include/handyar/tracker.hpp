@@ -94,6 +94,14 @@ class HandTracker {
   /// The hand model in the layout now tracked (mirrored when needed).
   const HandModel& hand() const noexcept;
 
+  /// What the next frame will be segmented with: by colour bin, the log likelihood ratio of hand
+  /// against background in eighths of a nat. For looking at; changes with every process().
+  std::span<const std::int8_t> color_ratios() const noexcept;
+
+  /// Colours of the tracked hand over the last frames, or as it was last tracked; empty when it
+  /// never was. What Config::skin.personal takes. Takes memory: not for every frame.
+  SkinColors learned_colors() const;
+
   /// Forgets hand and colours, as newly made.
   void reset() noexcept;
 

@@ -4,16 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "handyar/io/error.hpp"
 #include "handyar/io/pending_file.hpp"
+#include "json.hpp"
 
 namespace handyar::io {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double kMinSpan_m = 0.05, kMaxSpan_m = 0.35;
 constexpr double kMinGap_m = 0.005;       // between neighbouring fingertips
@@ -188,15 +186,7 @@ Json named_points(const Eigen::Matrix<double, 3, static_cast<int>(N)>& points,
 }  // namespace
 
 HandModel parse_hand(std::string_view text, std::string_view name) {
-  try {
-    const Json root = Json::parse(text);
-    return read_fields(Reader(root, name));
-  } catch (const Json::exception& e) {
-    // "[json.exception.parse_error.101] parse error at ...": the code is for programmers
-    std::string what = e.what();
-    if (const auto end = what.find("] "); end != std::string::npos) what.erase(0, end + 2);
-    throw Error(name, "is not valid JSON: " + what);
-  }
+  return parse_json(text, name, [&](const Json& root) { return read_fields(Reader(root, name)); });
 }
 
 HandModel read_hand(const std::string& path) { return parse_hand(read_text(path), path); }

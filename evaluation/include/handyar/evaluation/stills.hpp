@@ -23,7 +23,8 @@ struct StillResult {
 /// skin_tone; the pictures beside it) is letterboxed to 640x480 and held for 25 frames with slight
 /// noise (seeded: the same each time). The last five tips found must all be within 0.2 of the
 /// thumb-little span. Pictures that are missing are left out. Throws io::Error.
-std::vector<StillResult> track_stills(const std::string& list, const Progress& progress = {});
+std::vector<StillResult> track_stills(const std::string& list, const SkinColors& skin = {},
+                                      const Progress& progress = {});
 
 /// Rows: all, each source, each skin tone.
 Table stills_table(const std::vector<StillResult>& results);

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "handyar/tracker.hpp"
+
+namespace handyar::cli {
+
+/// Numbers of frames, as "10,50-60" names them; no range: all.
+struct FrameSet {
+  std::vector<std::pair<std::int64_t, std::int64_t>> ranges;  ///< first and last
+
+  bool contains(std::int64_t frame) const noexcept;
+  std::int64_t last() const noexcept;
+};
+std::optional<FrameSet> parse_frames(const std::string& text);
+
+/// The stages of chosen frames as PNG files: frame_000050_1_input.png, _2_likelihood, and where a
+/// hand was seen _3_region, _4_contour, _5_fingertips, _6_pose (docs/method.md shows them).
+class DebugPictures {
+ public:
+  /// Makes the folder; throws io::Error when files cannot be written to it.
+  DebugPictures(std::string folder, FrameSet frames);
+
+  const FrameSet& frames() const noexcept { return frames_; }
+
+  /// Before the tracker processes a chosen frame: keeps what it will be segmented with.
+  void prepare(const HandTracker& tracker);
+
+  /// After it has. `camera` is the one of this picture size. Throws io::Error.
+  void write(const cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,
+             const FingertipConfig& fingertips, const Camera& camera, const TrackResult& result);
+
+ private:
+  void save(const cv::Mat& picture, const char* stage) const;
+
+  std::string folder_;
+  FrameSet frames_;
+  std::int64_t frame_ = 0;
+  std::vector<std::int8_t> ratios_;
+};
+
+}  // namespace handyar::cli

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "handyar/io/error.hpp"
+
+namespace handyar::io {
+
+using Json = nlohmann::ordered_json;
+
+/// Runs `read` on the parsed text; what the JSON library has to say against it becomes an Error
+/// that begins with `name`.
+template <class Read>
+auto parse_json(std::string_view text, std::string_view name, Read read) {
+  try {
+    return read(Json::parse(text));
+  } catch (const Json::exception& e) {
+    // "[json.exception.parse_error.101] parse error at ...": the code is for programmers
+    std::string what = e.what();
+    if (const auto end = what.find("] "); end != std::string::npos) what.erase(0, end + 2);
+    throw Error(name, "is not valid JSON: " + what);
+  }
+}
+
+}  // namespace handyar::io
