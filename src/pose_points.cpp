@@ -31,7 +31,10 @@ std::optional<PosePoints> pose_points(const HandObservation& observation, const 
         .hand_m = hand.tips_m.col(i), .px = seen.px, .sigma_px = seen.sigma_px, .finger = i};
     p.direction = directions.col(i);
     p.radius_m = config.method == PoseMethod::points ? config.tip_radius_m : 0.0;
-    p.covariance_m2.diagonal() = hand.tips_sigma_m.col(i).array().square();
+    const Eigen::Vector3d sigma_m = hand.tips_sigma_m.col(i);
+    const double plane_sigma_m = sigma_m.isZero() ? config.tip_sigma_m : 0.0;
+    p.covariance_m2.diagonal() =
+        (sigma_m + Eigen::Vector3d(plane_sigma_m, plane_sigma_m, 0)).array().square();
     p.covariance_m2(2, 2) += relief2;
     const Eigen::Vector2d arm = p.hand_m.head<2>() - knuckles.col(i);
     p.per_spread_m << towards_thumb * arm.y(), -towards_thumb * arm.x(), 0;
