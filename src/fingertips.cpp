@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/fingertips.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -157,6 +158,48 @@ MeasuredTip measure_tip(const Contour& contour, float arc, float width,
   measured.width = 2 * ellipse.minor;
   measured.sigma = 0.7f;
   return measured;
+}
+
+Eigen::Vector2f measure_valley(const Contour& contour, const Eigen::Vector2f& near,
+                               const Eigen::Vector2f& tip, const Eigen::Vector2f& next_tip,
+                               float width) noexcept {
+  constexpr float kReach = 0.45f;  // of the width; beyond it are the fingers' sides
+  const int n = contour.size();
+  if (n < 8) return near;
+  int nearest = 0;
+  for (int i = 1; i < n; ++i)
+    if ((contour[i] - near).squaredNorm() < (contour[nearest] - near).squaredNorm()) nearest = i;
+
+  const Eigen::Vector2d along = (next_tip - tip).cast<double>().normalized();
+  Eigen::Vector2d inwards(-along.y(), along.x());
+  if (inwards.dot((near - tip).cast<double>()) < 0) inwards = -inwards;
+  const double reach = kReach * static_cast<double>(width);
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();  // of 1, s, s^2, where s is the arc in reaches
+  Eigen::Matrix<double, 3, 2> b = Eigen::Matrix<double, 3, 2>::Zero();  // along, inwards
+  const auto add = [&](int i, double arc) {
+    const double s = arc / reach;
+    const Eigen::Vector3d powers(1, s, s * s);
+    const Eigen::Vector2d d = (contour[i] - near).cast<double>();
+    A += powers * powers.transpose();
+    b += powers * Eigen::RowVector2d(d.dot(along), d.dot(inwards));
+  };
+  add(nearest, 0);
+  for (const int step : {1, n - 1}) {
+    double arc = 0;
+    for (int i = nearest, k = 0; k < n / 4; ++k) {
+      const int next = (i + step) % n;
+      arc += static_cast<double>((contour[next] - contour[i]).norm());
+      if (arc > reach) break;
+      add(next, step == 1 ? arc : -arc);
+      i = next;
+    }
+  }
+  const Eigen::Matrix<double, 3, 2> c = A.ldlt().solve(b);
+  if (!c.allFinite() || !(c(2, 1) < 0)) return near;
+  const double s = -0.5 * c(1, 1) / c(2, 1);
+  if (!(std::abs(s) < 1)) return near;
+  const Eigen::RowVector2d at = Eigen::RowVector3d(1, s, s * s) * c;
+  return near + (at.x() * along + at.y() * inwards).cast<float>();
 }
 
 }  // namespace handyar

@@ -1,7 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/hand_model.hpp"
 
+#include <algorithm>
+
 namespace handyar {
+namespace {
+
+/// Knuckles of an average hand in `thumb_right`, in spans (thumb tip to little fingertip). The
+/// thumb's is the one at the wrist, about which it spreads.
+const Eigen::Matrix<double, 2, kFingerCount> kAverageKnuckles =
+    (Eigen::Matrix<double, 2, kFingerCount>() << 0.12, 0.116, -0.008, -0.13, -0.255,  //
+     -0.42, -0.016, -0.04, -0.06, -0.077)
+        .finished();
+
+}  // namespace
 
 std::string_view name(Layout layout) noexcept {
   return layout == Layout::thumb_right ? "thumb_right" : "thumb_left";
@@ -15,6 +27,37 @@ HandModel HandModel::for_layout(Layout wanted) const {
   m.valleys_m.row(0) *= -1;
   for (Eigen::Vector2d& p : m.outline_m) p.x() = -p.x();
   return m;
+}
+
+Eigen::Matrix<double, 2, kFingerCount> HandModel::knuckles_m() const noexcept {
+  Eigen::Matrix<double, 2, kFingerCount> knuckles = span_m() * kAverageKnuckles;
+  if (layout == Layout::thumb_left) knuckles.row(0) *= -1;
+  if (!has_valleys) return knuckles;
+
+  const auto valleys = valleys_m.topRows<2>();
+  Eigen::Matrix<double, 2, kFingerCount> roots;
+  roots.col(2) = 0.5 * (valleys.col(1) + valleys.col(2));
+  roots.col(3) = 0.5 * (valleys.col(2) + valleys.col(3));
+  roots.col(1) = 2 * valleys.col(1) - roots.col(2);  // index and little have a valley on one side
+  roots.col(4) = 2 * valleys.col(3) - roots.col(3);
+  for (int i = 1; i < kFingerCount; ++i)
+    knuckles.col(i) = roots.col(i) - 0.3 * (tips_m.col(i).head<2>() - roots.col(i));
+  return knuckles;
+}
+
+Eigen::Matrix<double, 3, kFingerCount> HandModel::directions() const noexcept {
+  Eigen::Matrix<double, 3, kFingerCount> d = Eigen::Matrix<double, 3, kFingerCount>::Zero();
+  d.topRows<2>() = (tips_m.topRows<2>() - knuckles_m()).colwise().normalized();
+  return d;
+}
+
+Eigen::Vector3d outline_end_m(const Eigen::Vector3d& tip_m, const Eigen::Vector3d& direction,
+                              double radius_m, const Eigen::Vector3d& eye_m) noexcept {
+  constexpr double kEndOn = 0.2;  // a finger that points at the eye has no end
+  const Eigen::Vector3d centre = tip_m - radius_m * direction;
+  const Eigen::Vector3d ray = (centre - eye_m).normalized();
+  const Eigen::Vector3d across = direction - direction.dot(ray) * ray;
+  return centre + radius_m / std::max(across.norm(), kEndOn) * across;
 }
 
 HandModel average_adult_hand() {

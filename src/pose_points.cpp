@@ -6,41 +6,19 @@
 namespace handyar {
 namespace {
 
-/// Knuckles of an average hand in `thumb_right`, in spans (thumb tip to little fingertip). The
-/// thumb's is the one at the wrist, about which it spreads.
-const Eigen::Matrix<double, 2, kFingerCount> kAverageKnuckles =
-    (Eigen::Matrix<double, 2, kFingerCount>() << 0.12, 0.116, -0.008, -0.13, -0.255,  //
-     -0.42, -0.016, -0.04, -0.06, -0.077)
-        .finished();
-
 bool usable(const ObservedPoint& p) {
   return p.px.allFinite() && std::isfinite(p.sigma_px) && p.sigma_px > 0;
 }
 
 }  // namespace
 
-Eigen::Matrix<double, 2, kFingerCount> knuckles_m(const HandModel& hand) {
-  Eigen::Matrix<double, 2, kFingerCount> knuckles = hand.span_m() * kAverageKnuckles;
-  if (hand.layout == Layout::thumb_left) knuckles.row(0) *= -1;
-  if (!hand.has_valleys) return knuckles;
-
-  const auto valleys = hand.valleys_m.topRows<2>();
-  Eigen::Matrix<double, 2, kFingerCount> roots;
-  roots.col(2) = 0.5 * (valleys.col(1) + valleys.col(2));
-  roots.col(3) = 0.5 * (valleys.col(2) + valleys.col(3));
-  roots.col(1) = 2 * valleys.col(1) - roots.col(2);  // index and little have a valley on one side
-  roots.col(4) = 2 * valleys.col(3) - roots.col(3);
-  for (int i = 1; i < kFingerCount; ++i)
-    knuckles.col(i) = roots.col(i) - 0.3 * (hand.tips_m.col(i).head<2>() - roots.col(i));
-  return knuckles;
-}
-
 std::optional<PosePoints> pose_points(const HandObservation& observation, const HandModel& hand,
                                       const PoseConfig& config) {
   // Five tips alone cannot tell a turned finger from a turned hand.
   const bool articulated = config.method == PoseMethod::points && hand.has_valleys;
   const double towards_thumb = hand.layout == Layout::thumb_right ? 1.0 : -1.0;
-  const Eigen::Matrix<double, 2, kFingerCount> knuckles = knuckles_m(hand);
+  const Eigen::Matrix<double, 2, kFingerCount> knuckles = hand.knuckles_m();
+  const Eigen::Matrix<double, 3, kFingerCount> directions = hand.directions();
   const double spread_sigma_rad = articulated ? config.spread_sigma_rad : 0.0;
   const double relief2 = config.relief_sigma_m * config.relief_sigma_m;
 
@@ -51,7 +29,12 @@ std::optional<PosePoints> pose_points(const HandObservation& observation, const 
     if (!usable(seen)) return std::nullopt;
     PosePoint p{
         .hand_m = hand.tips_m.col(i), .px = seen.px, .sigma_px = seen.sigma_px, .finger = i};
-    p.covariance_m2.diagonal() = hand.tips_sigma_m.col(i).array().square();
+    p.direction = directions.col(i);
+    p.radius_m = config.method == PoseMethod::points ? config.tip_radius_m : 0.0;
+    const Eigen::Vector3d sigma_m = hand.tips_sigma_m.col(i);
+    const double plane_sigma_m = sigma_m.isZero() ? config.tip_sigma_m : 0.0;
+    p.covariance_m2.diagonal() =
+        (sigma_m + Eigen::Vector3d(plane_sigma_m, plane_sigma_m, 0)).array().square();
     p.covariance_m2(2, 2) += relief2;
     const Eigen::Vector2d arm = p.hand_m.head<2>() - knuckles.col(i);
     p.per_spread_m << towards_thumb * arm.y(), -towards_thumb * arm.x(), 0;
@@ -68,6 +51,7 @@ std::optional<PosePoints> pose_points(const HandObservation& observation, const 
     PosePoint p{.hand_m = hand.valleys_m.col(i), .px = seen.px, .sigma_px = seen.sigma_px};
     p.covariance_m2.diagonal() << config.valley_sigma_m * config.valley_sigma_m,
         config.valley_sigma_m * config.valley_sigma_m, relief2;
+    p.wander_m = config.valley_wander_m;
     points.push_back(p);
   }
   if (points.count < 4) return std::nullopt;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "so3.hpp"
 
@@ -19,6 +20,18 @@ constexpr double kMinDepth_m = 0.01;
 
 double huber_cost(double s2, double k) { return s2 <= k * k ? s2 : 2 * k * std::sqrt(s2) - k * k; }
 double huber_weight(double s2, double k) { return s2 <= k * k ? 1.0 : k / std::sqrt(s2); }
+
+/// 0 where the hand plane is seen from straight above, 1 where edge on.
+double flatness(const Eigen::Isometry3d& T, const Eigen::Vector3d& hand_m) {
+  return 1 - std::abs((T * hand_m).normalized().dot(T.linear().col(2)));
+}
+
+/// The outline's point in the camera frame that is seen for a point of the hand.
+Eigen::Vector3d seen_m(const PosePoint& p, const Eigen::Isometry3d& T) {
+  const Eigen::Vector3d at = T * p.hand_m;
+  if (p.radius_m == 0) return at;
+  return outline_end_m(at, T.linear() * p.direction, p.radius_m, Eigen::Vector3d::Zero());
+}
 
 /// The problem linearised at one pose.
 struct Linearised {
@@ -39,7 +52,9 @@ bool linearise(const PosePoints& points, const Camera& camera, double huber,
     Eigen::Matrix<double, 2, 3> J_hand;
     if (!reprojection(p, camera, T, r, J, J_hand)) return false;
     Eigen::Matrix2d S = J_hand * p.covariance_m2 * J_hand.transpose();
-    S.diagonal().array() += p.sigma_px * p.sigma_px;
+    const double wander_px =
+        p.wander_m * flatness(T, p.hand_m) * J_hand.norm() / std::numbers::sqrt2;
+    S.diagonal().array() += p.sigma_px * p.sigma_px + wander_px * wander_px;
     const Eigen::Matrix2d information = S.inverse();
     const double s2 = r.dot(information * r);
     const Eigen::Matrix<double, 6, 2> JtW = J.transpose() * (huber_weight(s2, huber) * information);
@@ -59,7 +74,7 @@ double cost_at(const PosePoints& points, const Camera& camera, double huber,
                const Eigen::Isometry3d& T, const Linearised& at) {
   double cost = 0;
   for (int i = 0; i < points.count; ++i) {
-    const Eigen::Vector3d p = T * points.at[i].hand_m;
+    const Eigen::Vector3d p = seen_m(points.at[i], T);
     if (!(p.z() > kMinDepth_m)) return std::numeric_limits<double>::infinity();
     const Eigen::Vector2d r = points.at[i].px - camera.project(p);
     cost += huber_cost(r.dot(at.information[i] * r), huber);
@@ -106,13 +121,25 @@ PosePoints PosePoints::without(int index) const {
 bool reprojection(const PosePoint& point, const Camera& camera, const Eigen::Isometry3d& T,
                   Eigen::Vector2d& residual_px, Eigen::Matrix<double, 2, 6>& J_pose,
                   Eigen::Matrix<double, 2, 3>& J_hand_m) {
-  const Eigen::Vector3d turned = T.linear() * point.hand_m;
-  const Eigen::Vector3d p = turned + T.translation();
-  if (!(p.z() > kMinDepth_m)) return false;
+  const Eigen::Vector3d seen = seen_m(point, T);
+  if (!(seen.z() > kMinDepth_m)) return false;
   Eigen::Matrix<double, 2, 3> J_point;
-  residual_px = point.px - camera.project(p, &J_point);
-  J_pose.leftCols<3>() = -J_point * so3::skew(turned);
+  residual_px = point.px - camera.project(seen, &J_point);
+  // A round end turns with the finger about the line of sight alone: its centre moves, the rim that
+  // is seen stays where it is.
+  const Eigen::Vector3d direction = T.linear() * point.direction;
+  const Eigen::Vector3d centre =
+      T.linear() * (point.hand_m - point.radius_m * point.direction);  // about the hand's origin
+  J_pose.leftCols<3>() = -J_point * so3::skew(centre);
   J_pose.rightCols<3>() = J_point;
+  if (point.radius_m > 0) {
+    const Eigen::Vector3d rim = seen - (centre + T.translation());
+    const Eigen::Vector3d ray = seen.normalized();
+    const double length = (direction - direction.dot(ray) * ray).norm();
+    const Eigen::Vector3d out = rim.normalized();
+    J_pose.leftCols<3>() -= point.radius_m / std::max(length, 0.2) *
+                            (J_point - J_point * out * out.transpose()) * so3::skew(direction);
+  }
   J_hand_m = J_point * T.linear();
   return residual_px.allFinite();
 }

@@ -324,8 +324,12 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
     const MeasuredTip tip = measure_tip(contour, arc, found.finger_width, config.fingertips.method);
     result.tips[f] = {to_input(tip.at).cast<double>(), true};
   }
-  for (int k = 0; k < kValleyCount; ++k)
-    if (found.valley_seen[k]) result.valleys[k] = {to_input(found.valleys[k]).cast<double>(), true};
+  for (int k = 0; k < kValleyCount; ++k) {
+    if (!found.valley_seen[k]) continue;
+    const Eigen::Vector2f valley = measure_valley(contour, found.valleys[k], found.tips[k],
+                                                  found.tips[k + 1], found.finger_width);
+    result.valleys[k] = {to_input(valley).cast<double>(), true};
+  }
   contour_size = contour.size();
   for (int i = 0; i < contour_size; ++i) contour_px[i] = to_input(contour[i]);
 }
@@ -335,9 +339,9 @@ bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   HandObservation observation;
   const double step = bins.step_px;
   for (int f = 0; f < kFingerCount; ++f)
-    observation.tips[f] = {result.tips[f].px, 0.8 * step, result.tips[f].seen};
+    observation.tips[f] = {result.tips[f].px, 0.5 * step, result.tips[f].seen};
   for (int k = 0; k < kValleyCount; ++k)
-    observation.valleys[k] = {result.valleys[k].px, 1.5 * step, result.valleys[k].seen};
+    observation.valleys[k] = {result.valleys[k].px, 0.6 * step, result.valleys[k].seen};
   PosePrior prior;
   if (const auto predicted = filter.predict(time_s))
     prior.prediction = PosePrediction{predicted->T_camera_hand, predicted->covariance};

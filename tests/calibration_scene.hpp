@@ -34,7 +34,8 @@ struct Scene {
 
   Scene() {
     hand.has_valleys = true;
-    hand.tips_m.row(2) << 0.0025, 0.0002, -0.0004, -0.0007, -0.0016;
+    // Relief over the plane nearest to the tips, which is the hand plane.
+    hand.tips_m.row(2) << 0.00045, -0.00137, 0.00093, 0.00059, -0.00061;
     hand.valleys_m << 0.042, 0.013, -0.013, -0.032,  //
         -0.010, 0.008, 0.006, -0.006,                //
         -0.004, -0.004, -0.004, -0.004;
@@ -76,8 +77,12 @@ struct Scene {
       const Eigen::Vector2d px = noisy(T * Eigen::Vector3d(c.x, c.y, c.z), corner_noise_px);
       v.corners_px.emplace_back(static_cast<float>(px.x()), static_cast<float>(px.y()));
     }
-    for (int k = 0; k < kFingerCount; ++k)
-      v.tips[k] = {noisy(T_camera_hand * hand.tips_m.col(k), noise_px), true};
+    const Eigen::Vector3d eye_m = T_camera_hand.inverse().translation();
+    for (int k = 0; k < kFingerCount; ++k) {
+      const Eigen::Vector3d end_m =
+          outline_end_m(hand.tips_m.col(k), hand.directions().col(k), kTipRadius_m, eye_m);
+      v.tips[k] = {noisy(T_camera_hand * end_m, noise_px), true};
+    }
     for (int k = 0; k < kValleyCount && hand.has_valleys; ++k)
       v.valleys[k] = {noisy(T_camera_hand * hand.valleys_m.col(k), noise_px), true};
     return v;

@@ -162,6 +162,35 @@ TEST(Fingertips, ADiscAndAValleyHaveNoTips) {
   for (const Extremum& tip : finder.tips()) EXPECT_LT(tip.at.y(), 40) << "only at its rims";
 }
 
+TEST(MeasureValley, IsTheDeepestPointToAFractionOfAPixel) {
+  // Two fingers side by side: the gap between them ends in a half circle of radius 7.
+  for (const double turn : {0.0, 0.3, 0.8, 1.3}) {
+    const Eigen::Rotation2Dd R(turn);
+    const V centre(100.3, 100.4), bottom = centre + R * V(0, 7);
+    DrawnMask gap(201, 201, [&](int u, int v) {
+      const V p(u, v);
+      return (p - centre).norm() < 80 &&
+             test::capsule_distance(p, centre, centre + R * V(0, -120), 7) > 0;
+    });
+    ASSERT_TRUE(gap.trace_largest());
+    const V left = centre + R * V(-25, -60), right = centre + R * V(25, -60);
+    for (const double off : {-2.0, 0.0, 2.0}) {  // along the contour, as coarse samples are
+      const Eigen::Vector2f near = (bottom + R * V(off, -1)).cast<float>();
+      const Eigen::Vector2f at =
+          measure_valley(gap.contour, near, left.cast<float>(), right.cast<float>(), 18);
+      EXPECT_LT((at.cast<double>() - bottom).norm(), 1.2) << turn << ' ' << off;
+      EXPECT_LT(std::abs((R.inverse() * (at.cast<double>() - bottom)).x()), 1.0) << turn;
+    }
+  }
+}
+
+TEST(MeasureValley, StaysWhereTheBoundaryDoesNotTurnInwards) {
+  DrawnMask disc(101, 101, [](int u, int v) { return std::hypot(u - 50, v - 50) < 40; });
+  ASSERT_TRUE(disc.trace_largest());
+  const Eigen::Vector2f near(50, 90);
+  EXPECT_EQ(measure_valley(disc.contour, near, {30, 95}, {70, 95}, 18), near);
+}
+
 std::vector<Eigen::Vector2f> on_ellipse(const V& center, double angle, double major, double minor,
                                         double from, double to) {
   std::vector<Eigen::Vector2f> points;

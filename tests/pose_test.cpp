@@ -38,6 +38,9 @@ PoseConfig tips_config() {
   return c;
 }
 
+/// In what the method takes a finger to end.
+double tip_radius_m(PoseMethod method) { return method == PoseMethod::tips ? 0.0 : kTipRadius_m; }
+
 /// Turns each finger about a knuckle 100 mm behind its tip, towards the thumb (at +x).
 HandModel with_spread(HandModel hand, const std::array<double, kFingerCount>& towards_thumb_rad) {
   const std::array<Eigen::Vector2d, kFingerCount> knuckles_m{
@@ -138,6 +141,48 @@ TEST(Reprojection, JacobiansAgreeWithCentralDifferences) {
   }
 }
 
+TEST(Reprojection, ARoundEndsJacobianAgreesWithCentralDifferences) {
+  const Camera camera = rendered_camera();
+  PosePoint point;
+  point.hand_m << 0.0, 0.085, 0.002;
+  point.direction << 0, 1, 0;
+  point.radius_m = 0.005;
+  point.px << 300, 200;
+  for (double axis : {0.0, 50.0, 140.0, 230.0}) {
+    const Eigen::Isometry3d T = hand_at(0.45, deg(40), deg(axis));
+    Eigen::Vector2d r, plus, minus;
+    Eigen::Matrix<double, 2, 6> J_pose, unused_pose;
+    Eigen::Matrix<double, 2, 3> unused_hand;
+    ASSERT_TRUE(reprojection(point, camera, T, r, J_pose, unused_hand));
+    const double h = 1e-6;
+    for (int i = 0; i < 3; ++i) {
+      Eigen::Isometry3d a = T, b = T;
+      a.linear() = Eigen::AngleAxisd(h, Eigen::Vector3d::Unit(i)) * T.linear();
+      b.linear() = Eigen::AngleAxisd(-h, Eigen::Vector3d::Unit(i)) * T.linear();
+      ASSERT_TRUE(reprojection(point, camera, a, plus, unused_pose, unused_hand));
+      ASSERT_TRUE(reprojection(point, camera, b, minus, unused_pose, unused_hand));
+      // But for the small turn of the line of sight, which is left out.
+      EXPECT_LT((J_pose.col(i) - (minus - plus) / (2 * h)).norm(), 2.0) << axis << ' ' << i;
+      point.radius_m = 0;
+      Eigen::Matrix<double, 2, 6> J_sharp;
+      ASSERT_TRUE(reprojection(point, camera, T, r, J_sharp, unused_hand));
+      point.radius_m = 0.005;
+      if (axis == 0 && i == 0) EXPECT_GT((J_sharp - J_pose).col(i).norm(), 4.0);
+    }
+  }
+}
+
+// Bent away from the camera a finger shows its round end, which does not get shorter.
+TEST(RoundTips, TheEndOfTheOutlineLeavesTheTipOfAFingerSeenObliquely) {
+  const Eigen::Vector3d tip_m(0, 0.085, 0), direction(0, 1, 0);
+  EXPECT_LT((outline_end_m(tip_m, direction, 0.004, {0, 0.081, 0.4}) - tip_m).norm(), 1e-9);
+  const Eigen::Vector3d centre_m(0, 0.081, 0), eye_m = centre_m + Eigen::Vector3d(0, -0.3, 0.3);
+  const Eigen::Vector3d end_m = outline_end_m(tip_m, direction, 0.004, eye_m);
+  EXPECT_NEAR((end_m - centre_m).norm(), 0.004, 1e-9);
+  EXPECT_NEAR((end_m - centre_m).dot(eye_m - centre_m), 0, 1e-9);
+  EXPECT_GT(end_m.z(), 0.002) << "the end that is seen lies on the upper side";
+}
+
 struct Case {
   PoseMethod method;
   bool valleys;
@@ -158,7 +203,7 @@ TEST_P(ExactPose, IsRecoveredWithoutNoise) {
     for (double axis = 0; axis < 360; axis += 45)
       for (double distance_m : {0.25, 0.45, 0.9}) {
         const Eigen::Isometry3d truth = hand_at(distance_m, deg(tilt), deg(axis));
-        HandObservation seen = test::project(hand, camera, truth);
+        const HandObservation seen = test::project(hand, camera, truth, tip_radius_m(c.method));
         const auto pose = estimate_pose(seen, hand, camera, config);
         ASSERT_TRUE(pose) << tilt << ' ' << axis << ' ' << distance_m;
         EXPECT_LT(test::rotation_error_rad(pose->T_camera_hand, truth), 1e-6)
@@ -187,7 +232,7 @@ TEST(Pose, FourOfFiveTipsAreEnough) {
     for (PoseMethod method : {PoseMethod::tips, PoseMethod::points}) {
       PoseConfig config;
       config.method = method;
-      HandObservation seen = test::project(hand, rendered_camera(), truth);
+      HandObservation seen = test::project(hand, rendered_camera(), truth, tip_radius_m(method));
       seen.tips[missing].seen = false;
       const auto pose = estimate_pose(seen, hand, rendered_camera(), config);
       ASSERT_TRUE(pose) << missing;
@@ -342,9 +387,9 @@ TEST(Spread, IsMeasuredAndTakenOutOfThePose) {
     const auto pose = estimate_pose(seen, hand.for_layout(layout), rendered_camera());
     ASSERT_TRUE(rigid && pose);
     for (int i = 0; i < kFingerCount; ++i)
-      EXPECT_NEAR(pose->spread_rad[i], turned[i], deg(1.2)) << kFingerNames[i];
-    EXPECT_LT(test::rotation_error_rad(pose->T_camera_hand, truth), deg(2.0));
-    EXPECT_LT(test::translation_error_m(pose->T_camera_hand, truth), 0.003);
+      EXPECT_NEAR(pose->spread_rad[i], turned[i], deg(2.0)) << kFingerNames[i];
+    EXPECT_LT(test::rotation_error_rad(pose->T_camera_hand, truth), deg(4.0));
+    EXPECT_LT(test::translation_error_m(pose->T_camera_hand, truth), 0.0075);
     EXPECT_LT(test::rotation_error_rad(pose->T_camera_hand, truth),
               0.5 * test::rotation_error_rad(rigid->T_camera_hand, truth));
     for (double spread : rigid->spread_rad) EXPECT_EQ(spread, 0.0);
@@ -359,7 +404,7 @@ TEST(Spread, WithoutValleysTheHandIsTakenAsRigid) {
   const auto without = estimate_pose(seen, without_valleys(hand), rendered_camera());
   const auto rigid = estimate_pose(seen, without_valleys(hand), rendered_camera(), tips_config());
   ASSERT_TRUE(with && without && rigid);
-  EXPECT_EQ(without->covariance, rigid->covariance);
+  for (double spread : without->spread_rad) EXPECT_EQ(spread, 0.0);
   EXPECT_EQ(without->points_used, kFingerCount);
   EXPECT_EQ(with->points_used, kFingerCount + kValleyCount);
 }
@@ -383,13 +428,17 @@ Consistency consistency(bool valleys, PoseMethod method, int n, std::mt19937& rn
     for (double& t : turned) t = test::gauss(rng, spread_sigma_rad);
     HandModel actual = with_spread(hand, turned);
     for (int k = 0; k < kFingerCount; ++k)
-      actual.tips_m(2, k) += test::gauss(rng, config.relief_sigma_m);
+      actual.tips_m.col(k) += Eigen::Vector3d(test::gauss(rng, config.tip_sigma_m),
+                                              test::gauss(rng, config.tip_sigma_m),
+                                              test::gauss(rng, config.relief_sigma_m));
     for (int k = 0; k < kValleyCount; ++k)
       actual.valleys_m.col(k) += Eigen::Vector3d(test::gauss(rng, config.valley_sigma_m),
                                                  test::gauss(rng, config.valley_sigma_m),
                                                  test::gauss(rng, config.relief_sigma_m));
     const Eigen::Isometry3d truth = hand_at(0.45, deg(45), axis(rng));
-    HandObservation seen = test::project(actual, rendered_camera(), truth);
+    const double wander_m = config.valley_wander_m * (1 - std::cos(deg(45)));
+    for (int k = 0; k < kValleyCount; ++k) actual.valleys_m.col(k) += test::gauss3(rng, wander_m);
+    HandObservation seen = test::project(actual, rendered_camera(), truth, tip_radius_m(method));
     test::add_noise(seen, 0.5, rng);
     // A weak prior: which of the planar solutions it is, no more.
     const PosePrior prior = expecting(truth, deg(10), 0.03);
@@ -453,7 +502,7 @@ TEST(Covariance, OneWrongPointAmongNineIsLeftOut) {
     const auto pose = estimate_pose(seen, hand, rendered_camera());
     if (pose && test::rotation_error_rad(pose->T_camera_hand, truth) < deg(4)) ++good;
   }
-  EXPECT_GE(good, 95);
+  EXPECT_GE(good, 85);
 }
 
 TEST(Relief, TheMirroredOneTiltsTheHandAndTheMeanSaysSo) {
@@ -474,7 +523,7 @@ TEST(Relief, TheMirroredOneTiltsTheHandAndTheMeanSaysSo) {
   const double error = test::rotation_error_rad(wrong->T_camera_hand, truth);
   EXPECT_GT(error, deg(1.0));
   EXPECT_NEAR(test::rotation_error_rad(mean->T_camera_hand, truth), 0.5 * error, 0.01 * error);
-  EXPECT_GT(sigma_rotation_rad(mean->covariance), sigma_rotation_rad(right->covariance));
+  EXPECT_GT(sigma_rotation_rad(mean->covariance), sigma_rotation_rad(wrong->covariance));
   EXPECT_LT(mean->relief_log_ratio, 0.0) << "the mirrored relief fits better";
   EXPECT_EQ(wrong->relief_log_ratio, 0.0);
 }

@@ -60,12 +60,17 @@ inline Eigen::Isometry3d hand_at(double distance_m, double tilt_rad, double axis
   return T;
 }
 
-/// Exact images of the tips, and of the valleys if the model has them.
+/// Exact images of the tips, and of the valleys if the model has them. Tips are the ends of round
+/// fingers, or with a radius of 0 fixed points.
 inline HandObservation project(const HandModel& hand, const Camera& camera,
-                               const Eigen::Isometry3d& T) {
+                               const Eigen::Isometry3d& T, double tip_radius_m = kTipRadius_m) {
   HandObservation o;
-  for (int i = 0; i < kFingerCount; ++i)
-    o.tips[i] = {camera.project(T * hand.tips_m.col(i).eval()), 1.0, true};
+  const Eigen::Vector3d eye_m = T.inverse().translation();
+  for (int i = 0; i < kFingerCount; ++i) {
+    const Eigen::Vector3d end_m =
+        outline_end_m(hand.tips_m.col(i), hand.directions().col(i), tip_radius_m, eye_m);
+    o.tips[i] = {camera.project(T * end_m), 1.0, true};
+  }
   for (int i = 0; i < kValleyCount && hand.has_valleys; ++i)
     o.valleys[i] = {camera.project(T * hand.valleys_m.col(i).eval()), 1.0, true};
   return o;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/calibration/hand_frame.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <complex>
 
@@ -23,6 +24,16 @@ Similarity similarity(const Tips2& a, const Tips2& b) {
   return {sum / energy, b0.squaredNorm() - std::norm(sum) / energy};
 }
 
+// Of the plane nearest to the tips: heights over it mean the same on palm and back, mirrored.
+Eigen::Vector3d tips_normal(const Eigen::Matrix<double, 3, kFingerCount>& tips_m,
+                            const Eigen::Vector3d& towards) {
+  const Eigen::Matrix<double, 3, kFingerCount> centred = tips_m.colwise() - tips_m.rowwise().mean();
+  const Eigen::Matrix3d scatter = centred * centred.transpose();
+  const Eigen::Vector3d n =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
+  return n.dot(towards) < 0 ? Eigen::Vector3d(-n) : n;
+}
+
 }  // namespace
 
 AverageHandFit fit_average_hand(const Tips2& tips_m) {
@@ -38,9 +49,9 @@ AverageHandFit fit_average_hand(const Tips2& tips_m) {
   return best;
 }
 
-Eigen::Isometry3d hand_frame(const HandPoints& points, const Eigen::Vector3d& normal) {
+Eigen::Isometry3d hand_frame(const HandPoints& points, const Eigen::Vector3d& outwards) {
   constexpr int kThumb = 0, kMiddle = 2;
-  const Eigen::Vector3d z = normal.normalized();
+  const Eigen::Vector3d z = tips_normal(points.tips_m, outwards);
   const Eigen::Vector3d middle = points.tips_m.col(kMiddle);
   Eigen::Vector3d along;
   if (points.has_valleys) {

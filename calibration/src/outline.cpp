@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "handyar/calibration/hand_frame.hpp"
@@ -29,18 +30,25 @@ struct PlanePicture {
   double row_of(double y_m) const { return (top_m - y_m) / kPixel_m; }
 };
 
-// The contour's pixels carried to the plane z = 0 of the hand.
-std::vector<cv::Point> carried(const std::vector<Eigen::Vector2f>& contour_px,
-                               const Eigen::Isometry3d& T_camera_hand, const Camera& camera,
-                               const PlanePicture& picture) {
+// The contour's pixels carried to the plane z = 0 of the hand (metres).
+std::vector<Eigen::Vector2d> carried(const std::vector<Eigen::Vector2f>& contour_px,
+                                     const Eigen::Isometry3d& T_camera_hand, const Camera& camera) {
   const Eigen::Isometry3d T_hand_camera = T_camera_hand.inverse();
   const Eigen::Vector3d eye = T_hand_camera.translation();
-  std::vector<cv::Point> out;
+  std::vector<Eigen::Vector2d> out;
   for (const Eigen::Vector2f& px : contour_px) {
     const Eigen::Vector3d ray =
         T_hand_camera.linear() * camera.unproject(px.cast<double>()).homogeneous();
-    const Eigen::Vector3d p = eye - eye.z() / ray.z() * ray;
-    const cv::Point2f q = picture.pixel(p.head<2>());
+    out.push_back((eye - eye.z() / ray.z() * ray).head<2>());
+  }
+  return out;
+}
+
+std::vector<cv::Point> drawn(const std::vector<Eigen::Vector2d>& contour_m,
+                             const PlanePicture& picture) {
+  std::vector<cv::Point> out;
+  for (const Eigen::Vector2d& p : contour_m) {
+    const cv::Point2f q = picture.pixel(p);
     // A forearm may reach far out of the picture.
     out.emplace_back(cvRound(std::clamp(q.x, -9999.f, 9999.f)),
                      cvRound(std::clamp(q.y, -9999.f, 9999.f)));
@@ -48,11 +56,29 @@ std::vector<cv::Point> carried(const std::vector<Eigen::Vector2f>& contour_px,
   return out;
 }
 
-// The narrowest row within 25 mm of where the average hand has its wrist.
-int wrist_row(const cv::Mat& mask, const PlanePicture& picture, double expected_y_m) {
-  constexpr double kSearch_m = 0.025;
+// How far down a view shows the arm at its full width. The tracker looks in an upright box, which
+// cuts the arm off obliquely to the hand: the highest point at the box's edge, below `below_y_m`.
+double arm_end_m(const std::vector<Eigen::Vector2f>& contour_px,
+                 const std::vector<Eigen::Vector2d>& contour_m, double below_y_m) {
+  Eigen::AlignedBox2f box;
+  for (const Eigen::Vector2f& px : contour_px) box.extend(px);
+  double end_m = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < contour_px.size(); ++i) {
+    const Eigen::Vector2f inside = (contour_px[i] - box.min()).cwiseMin(box.max() - contour_px[i]);
+    if (inside.minCoeff() < 1.5f && contour_m[i].y() < below_y_m)
+      end_m = std::max(end_m, contour_m[i].y());
+  }
+  return end_m;
+}
+
+constexpr double kSearch_m = 0.025;  // around where the average hand has its wrist
+
+// The narrowest row there, down to where the arm is seen.
+int wrist_row(const cv::Mat& mask, const PlanePicture& picture, double expected_y_m,
+              double arm_end_y_m) {
   const int first = std::clamp(cvRound(picture.row_of(expected_y_m + kSearch_m)), 0, mask.rows - 1);
-  const int last = std::clamp(cvRound(picture.row_of(expected_y_m - kSearch_m)), 0, mask.rows - 1);
+  const double last_y_m = std::max(expected_y_m - kSearch_m, arm_end_y_m);
+  const int last = std::clamp(cvRound(picture.row_of(last_y_m)), 0, mask.rows - 1);
   int best = first, narrowest = mask.cols + 1;
   for (int row = first; row <= last; ++row) {
     const int width = cv::countNonZero(mask.row(row));
@@ -133,16 +159,21 @@ std::vector<Eigen::Vector2d> measure_outline(std::span<const CalibrationView> vi
   picture.size = {cvRound(2 * half_width_m / kPixel_m),
                   cvRound(picture.row_of(wrist_y_m - 2 * margin_m))};
 
+  std::vector<double> arm_ends_m;
   cv::Mat votes = cv::Mat::zeros(picture.size, CV_32F);
   for (const Candidate& c : candidates) {
     cv::Mat mask = cv::Mat::zeros(picture.size, CV_32F);
-    const std::vector<std::vector<cv::Point>> polygon{
-        carried(views[used[c.k]].contour_px, T_camera_board[c.k] * T_board_hand, camera, picture)};
+    const auto& contour_px = views[used[c.k]].contour_px;
+    const auto contour_m = carried(contour_px, T_camera_board[c.k] * T_board_hand, camera);
+    arm_ends_m.push_back(arm_end_m(contour_px, contour_m, wrist_y_m + kSearch_m));
+    const std::vector<std::vector<cv::Point>> polygon{drawn(contour_m, picture)};
     cv::fillPoly(mask, polygon, 1.0);
     votes += mask;
   }
   cv::Mat mask = votes > candidates.size() / 2.0;
-  const int wrist = wrist_row(mask, picture, wrist_y_m);
+  // Three quarters of the views see the arm as far as this.
+  std::sort(arm_ends_m.begin(), arm_ends_m.end());
+  const int wrist = wrist_row(mask, picture, wrist_y_m, arm_ends_m[(arm_ends_m.size() * 3) / 4]);
   mask.rowRange(std::min(wrist + 1, mask.rows), mask.rows).setTo(0);
   const auto contour = largest_contour(mask);
   if (contour.empty()) return {};

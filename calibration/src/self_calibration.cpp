@@ -126,14 +126,6 @@ bool turn_to_better_poses(Bundle& bundle, std::span<const CalibrationView> views
   return any;
 }
 
-// Normal of the plane nearest to the points, on the side of +z.
-Eigen::Vector3d plane_normal(const Eigen::Matrix3Xd& p_m) {
-  const Eigen::Matrix3Xd d = p_m.colwise() - p_m.rowwise().mean();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(d * d.transpose());
-  const Eigen::Vector3d n = axes.eigenvectors().col(0);
-  return n.z() > 0 ? n : Eigen::Vector3d(-n);
-}
-
 // Standard deviations of the tips along the hand's axes. Where the hand lies, how it is turned and
 // how large it is (seven directions in the space of all tips) is convention or comes from outside,
 // so errors in these directions are taken out.
@@ -225,8 +217,7 @@ SelfCalibration self_calibrate_hand(std::span<const CalibrationView> views, cons
   HandPoints points{.tips_m = bundle.p_m.leftCols<kFingerCount>(),
                     .has_valleys = bundle.p_m.cols() > kFingerCount};
   if (points.has_valleys) points.valleys_m = bundle.p_m.rightCols<kValleyCount>();
-  const Eigen::Isometry3d T_body_hand =
-      hand_frame(points, plane_normal(bundle.p_m.leftCols<kFingerCount>()));
+  const Eigen::Isometry3d T_body_hand = hand_frame(points, Eigen::Vector3d::UnitZ());
   out.hand = hand_model(points, T_body_hand);
   const double factor = size_factor(out.hand, known);
   out.hand.tips_m *= factor;

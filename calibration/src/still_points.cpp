@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "handyar/hand_model.hpp"
+
 namespace handyar {
 namespace {
 
 constexpr double kHeightSpread_m = 0.002;  // of fingertips on a table about their mean
 constexpr double kIndependentViews = 5;    // in one sweep of the camera over a hand
-constexpr double kTipRadius_m = 0.008;
+constexpr double kWander_m = 0.008;
 constexpr double kLeastSigma_px = 0.3;
 constexpr double kUsual = 2.0 / 3;
 
@@ -21,19 +23,28 @@ double quantile(std::vector<double> v, double q) {
   return v[static_cast<std::size_t>(k)];
 }
 
-// The end of the outline of a finger lies at the edge of its round tip as seen, so it wanders with
-// the angle between the view and the board's normal, by as much as the tip is foreshortened.
+// An outline's point is not a fixed one of the hand: what is not modelled of it wanders with the
+// angle between the view and the board's normal, by as much as the hand is foreshortened.
 double wander_m(const Eigen::Isometry3d& T_camera_board, const Eigen::Vector3d& p_m) {
   const Eigen::Vector3d ray = (T_camera_board * p_m).normalized();
-  return kTipRadius_m * (1 - std::abs(ray.dot(T_camera_board.linear().col(2))));
+  return kWander_m * (1 - std::abs(ray.dot(T_camera_board.linear().col(2))));
 }
 
-// Errors of point k in all views: pixels, and metres at the point.
+// What a view shows of point k, in the camera frame.
+Eigen::Vector3d seen_m(const Eigen::Isometry3d& T_camera_board, const Eigen::Vector3d& p_m, int k,
+                       const Eigen::Matrix3Xd& directions) {
+  if (directions.cols() == 0) return T_camera_board * p_m;
+  return outline_end_m(T_camera_board * p_m, T_camera_board.linear() * directions.col(k),
+                       kTipRadius_m, Eigen::Vector3d::Zero());
+}
+
+// Errors of a point in all views: pixels, and metres at the point.
+template <class Seen>
 void errors(const PixelTrack& track, std::span<const Eigen::Isometry3d> poses, const Camera& camera,
-            const Eigen::Vector3d& p_m, std::vector<double>& px, std::vector<double>& m) {
+            const Seen& seen, std::vector<double>& px, std::vector<double>& m) {
   for (std::size_t i = 0; i < track.size(); ++i) {
     if (!track[i].allFinite()) continue;
-    const Eigen::Vector3d c = poses[i] * p_m;
+    const Eigen::Vector3d c = seen(poses[i]);
     const double e = (camera.project(c) - track[i]).norm();
     px.push_back(e);
     m.push_back(e * c.z() / camera.fx_px);
@@ -41,13 +52,16 @@ void errors(const PixelTrack& track, std::span<const Eigen::Isometry3d> poses, c
 }
 
 void judge(StillPoints& points, std::span<const PixelTrack> tracks,
-           std::span<const Eigen::Isometry3d> poses, const Camera& camera) {
+           std::span<const Eigen::Isometry3d> poses, const Camera& camera,
+           const Eigen::Matrix3Xd& directions) {
   const int n = static_cast<int>(tracks.size());
   points.error_m.resize(n);
   std::vector<double> all_px;
   for (int k = 0; k < n; ++k) {
     std::vector<double> m;
-    errors(tracks[k], poses, camera, points.p_m.col(k), all_px, m);
+    errors(
+        tracks[k], poses, camera,
+        [&](const auto& T) { return seen_m(T, points.p_m.col(k), k, directions); }, all_px, m);
     points.error_m[k] = quantile(m, kUsual);
   }
   std::sort(all_px.begin(), all_px.end());
@@ -59,21 +73,22 @@ void judge(StillPoints& points, std::span<const PixelTrack> tracks,
 
 // One robust Gauss-Newton step of all points together; returns the largest move (metres).
 double step(StillPoints& points, std::span<const PixelTrack> tracks,
-            std::span<const Eigen::Isometry3d> poses, const Camera& camera) {
+            std::span<const Eigen::Isometry3d> poses, const Camera& camera,
+            const Eigen::Matrix3Xd& directions) {
   const int n = static_cast<int>(tracks.size());
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(3 * n, 3 * n);
   Eigen::VectorXd g = Eigen::VectorXd::Zero(3 * n);
   for (int k = 0; k < n; ++k) {
     std::vector<double> px, m;
-    errors(tracks[k], poses, camera, points.p_m.col(k), px, m);
+    const auto seen = [&](const auto& T) { return seen_m(T, points.p_m.col(k), k, directions); };
+    errors(tracks[k], poses, camera, seen, px, m);
     // The median of the length of an error with two equal components is 1.18 of their sigma.
     const double sigma_px = std::max(quantile(px, 0.5) / 1.18, kLeastSigma_px);
     const double counts_as = std::min(1.0, kIndependentViews / static_cast<double>(px.size()));
     for (std::size_t i = 0; i < tracks[k].size(); ++i) {
       if (!tracks[k][i].allFinite()) continue;
       Eigen::Matrix<double, 2, 3> J_px_camera;
-      const Eigen::Vector2d r =
-          tracks[k][i] - camera.project(poses[i] * points.p_m.col(k), &J_px_camera);
+      const Eigen::Vector2d r = tracks[k][i] - camera.project(seen(poses[i]), &J_px_camera);
       const Eigen::Matrix<double, 2, 3> J = J_px_camera * poses[i].linear();
       const double wander_px = wander_m(poses[i], points.p_m.col(k)) * J_px_camera(0, 0);
       const double variance = sigma_px * sigma_px + wander_px * wander_px;
@@ -102,7 +117,8 @@ double step(StillPoints& points, std::span<const PixelTrack> tracks,
 double usual_error_m(const PixelTrack& track, std::span<const Eigen::Isometry3d> T_camera_point,
                      const Camera& camera, const Eigen::Vector3d& p_m) {
   std::vector<double> px, m;
-  errors(track, T_camera_point, camera, p_m, px, m);
+  errors(
+      track, T_camera_point, camera, [&](const auto& T) { return T * p_m; }, px, m);
   return quantile(m, kUsual);
 }
 
@@ -131,18 +147,19 @@ StillPoints on_plane(std::span<const PixelTrack> tracks,
     }
     out.p_m.col(k) << quantile(x, 0.5), quantile(y, 0.5), -height_m;
   }
-  judge(out, tracks, T_camera_board, camera);
+  judge(out, tracks, T_camera_board, camera, {});
   return out;
 }
 
 StillPoints triangulate(std::span<const PixelTrack> tracks,
-                        std::span<const Eigen::Isometry3d> T_camera_board, const Camera& camera) {
+                        std::span<const Eigen::Isometry3d> T_camera_board, const Camera& camera,
+                        const Eigen::Matrix3Xd& directions) {
   constexpr double kFirstHeight_m = 0.01, kSmallMove_m = 1e-7;
   constexpr int kMaxSteps = 50;
   StillPoints out = on_plane(tracks, T_camera_board, camera, kFirstHeight_m);
   for (int i = 0; i < kMaxSteps; ++i)
-    if (step(out, tracks, T_camera_board, camera) < kSmallMove_m) break;
-  judge(out, tracks, T_camera_board, camera);
+    if (step(out, tracks, T_camera_board, camera, directions) < kSmallMove_m) break;
+  judge(out, tracks, T_camera_board, camera, directions);
   return out;
 }
 

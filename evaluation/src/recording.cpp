@@ -13,19 +13,27 @@
 namespace handyar::evaluation {
 namespace {
 
-/// Every method the library has, the default one first.
-constexpr std::array<std::pair<FingertipMethod, const char*>, 2> kMethods = {
-    {{FingertipMethod::ellipse, "ellipse"}, {FingertipMethod::curvature, "curvature"}}};
+/// The library's methods, the default one first.
+struct Method {
+  const char* name;
+  FingertipMethod fingertips;
+  PoseMethod pose;
+};
+constexpr std::array<Method, 3> kMethods = {
+    {{"ellipse", FingertipMethod::ellipse, PoseMethod::points},
+     {"curvature", FingertipMethod::curvature, PoseMethod::points},
+     {kRigidTips, FingertipMethod::ellipse, PoseMethod::tips}}};
 
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-HandTracker make_tracker(const Sequence& s, FingertipMethod method, bool half_resolution) {
+HandTracker make_tracker(const Sequence& s, const Method& method, bool half_resolution) {
   Config config;
   config.half_resolution = half_resolution;
   config.skin.personal = s.skin;
-  config.fingertips.method = method;
+  config.fingertips.method = method.fingertips;
+  config.pose.method = method.pose;
   config.now_s = now_s;
   return HandTracker(s.camera, s.hand, config);
 }
@@ -65,9 +73,9 @@ class Session {
   explicit Session(const Sequence& sequence) {
     recording_.sequence = sequence;
     for (const bool half : {false, true}) {
-      for (const auto& [method, method_name] : kMethods) {
+      for (const Method& method : kMethods) {
         trackers_.push_back(make_tracker(sequence, method, half));
-        recording_.tracks.push_back({method_name, half, {}});
+        recording_.tracks.push_back({method.name, half, {}});
       }
       markers_.emplace_back("ArUco", half, make_aruco_finder(sequence.aruco));
       markers_.emplace_back("AprilTag", half, make_apriltag_finder(sequence.apriltag));

@@ -81,6 +81,13 @@ struct MeasuredTip {
 MeasuredTip measure_tip(const Contour& contour, float arc, float width,
                         FingertipMethod method) noexcept;
 
+/// Measures the valley near `near` between two fingers about `width` mask pixels wide: on the full
+/// contour, the deepest point behind the line through both tips of a parabola fitted to the
+/// boundary about half a width each way; `near` itself where the boundary does not turn there.
+Eigen::Vector2f measure_valley(const Contour& contour, const Eigen::Vector2f& near,
+                               const Eigen::Vector2f& tip, const Eigen::Vector2f& next_tip,
+                               float width) noexcept;
+
 /// Ellipse fitted by least squares to points (Halir and Flusser 1998); false when they form none.
 struct Ellipse {
   Eigen::Vector2f center, axis;  ///< `axis`: unit direction of the major axis

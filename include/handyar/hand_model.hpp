@@ -56,9 +56,26 @@ struct HandModel {
   /// The same hand seen in `wanted`: x is mirrored where the layouts differ.
   HandModel for_layout(Layout wanted) const;
 
+  /// Where each finger turns when the fingers spread, in the hand plane: three tenths of its free
+  /// length behind its root between the valleys, or by an average hand's proportions where the
+  /// valleys are not known.
+  Eigen::Matrix<double, 2, kFingerCount> knuckles_m() const noexcept;
+
+  /// Unit directions of the fingers in the hand plane, knuckle to tip; z is 0.
+  Eigen::Matrix<double, 3, kFingerCount> directions() const noexcept;
+
   /// Distance from thumb tip to little fingertip.
   double span_m() const noexcept { return (tips_m.col(0) - tips_m.col(4)).norm(); }
 };
+
+/// A fingertip is round, so its outline does not end at a point of the finger: seen from any side
+/// it ends this far from a point within (the radius in which a finger ends, not its half width).
+inline constexpr double kTipRadius_m = 0.0035;
+
+/// The end of a fingertip's outline as seen from `eye_m`, given where it ends seen from straight
+/// above (`tip_m`) and the finger's unit direction; all in one frame.
+Eigen::Vector3d outline_end_m(const Eigen::Vector3d& tip_m, const Eigen::Vector3d& direction,
+                              double radius_m, const Eigen::Vector3d& eye_m) noexcept;
 
 /// The average adult hand, fingers comfortably spread; the source of the figures stands with them
 /// in hand_model.cpp.

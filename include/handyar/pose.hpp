@@ -18,17 +18,21 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// Which points the pose rests on.
 enum class PoseMethod : std::uint8_t {
   tips,   ///< the fingertips, as a rigid body (the paper)
-  points  ///< tips and valleys; each finger may have turned in the hand plane since calibration
-          ///< (as `tips` for hand models without valleys)
+  points  ///< round tips, and valleys; each finger may have turned in the hand plane since
+          ///< calibration (for hand models without valleys: the round tips of a rigid hand)
 };
 
 /// What is not known of a hand, as standard deviations.
 struct PoseConfig {
   PoseMethod method = PoseMethod::points;
-  double spread_sigma_rad = 0.044;  ///< turn of a finger about its knuckle; `points` only
-  double valley_sigma_m = 0.001;    ///< valleys are skin: how far they move in the hand plane
-  double relief_sigma_m = 0.001;  ///< height of each point over the hand plane against the model's
-  double huber = 2.5;             ///< points more standard deviations off than this weigh less
+  double spread_sigma_rad = 0.055;     ///< turn of a finger about its knuckle; `points` only
+  double tip_radius_m = kTipRadius_m;  ///< of the fingers' round ends; `points` only
+  double tip_sigma_m = 0.001;      ///< of the ends of fingers in the hand plane, where the model's
+                                   ///< tips_sigma_m says nothing
+  double valley_sigma_m = 0.001;   ///< valleys are skin: how far they move in the hand plane
+  double valley_wander_m = 0.020;  ///< and by how much more where the hand is seen edge on
+  double relief_sigma_m = 0.001;   ///< height of each point over the hand plane against the model's
+  double huber = 2.5;              ///< points more standard deviations off than this weigh less
 };
 
 /// A tip or a valley as one frame shows it.

@@ -16,9 +16,10 @@ struct HandPoints {
 };
 
 /// The hand frame (HandModel, paper Figure 5) of these points, as the transform from the hand frame
-/// to theirs. `normal` points out of the visible face; the middle finger's direction is taken from
+/// to theirs. z is normal to the plane nearest to the tips, on the side of `outwards`, which points
+/// out of the visible face; the middle finger's direction is taken from
 /// the valleys at its root to its tip or, without valleys, from the best fit of the average hand.
-Eigen::Isometry3d hand_frame(const HandPoints& points, const Eigen::Vector3d& normal);
+Eigen::Isometry3d hand_frame(const HandPoints& points, const Eigen::Vector3d& outwards);
 
 /// Best fit of the average adult hand to tips in the hand plane (2x5): scale, turn and shift that
 /// lay it on them, in the layout that fits better.

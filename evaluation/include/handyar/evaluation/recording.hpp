@@ -12,9 +12,12 @@
 
 namespace handyar::evaluation {
 
+/// Method name of the ellipse's tips with the paper's pose, a rigid body of tips (PoseMethod::tips).
+inline constexpr const char* kRigidTips = "ellipse, rigid tips";
+
 /// What the tracker gave with one setting, frame by frame.
 struct Track {
-  std::string method;  ///< name of the fingertip method
+  std::string method;  ///< name of the fingertip method, and of the pose's when not the default
   bool half_resolution = false;
   std::vector<TrackResult> results;
 };
