@@ -185,11 +185,13 @@ TEST(HandShape, ExpectsItselfWhereItIs) {
   ExpectedRegion expected;
   expected.ratios.resize(kSize * kSize);
   shape.expect(kSize, kSize, expected);
+  const auto distance_m = hand.distance_m();
   int inside = 0, outside = 0;
   for (int v = 0; v < kSize; ++v)
     for (int u = 0; u < kSize; ++u) {
       const int place = expected.row(v)[u / expected.cell];
-      const double distance_px = 1300 * hand.distance_m(view.inverse() * V(u, v));
+      const V at = view.inverse() * V(u, v);
+      const double distance_px = 1300 * distance_m(at.x(), at.y());
       inside += place == ExpectedRegion::kInside;
       outside += place == ExpectedRegion::kOutside;
       if (place == ExpectedRegion::kInside) {

@@ -167,7 +167,9 @@ TEST(Reprojection, ARoundEndsJacobianAgreesWithCentralDifferences) {
       Eigen::Matrix<double, 2, 6> J_sharp;
       ASSERT_TRUE(reprojection(point, camera, T, r, J_sharp, unused_hand));
       point.radius_m = 0.005;
-      if (axis == 0 && i == 0) EXPECT_GT((J_sharp - J_pose).col(i).norm(), 4.0);
+      if (axis == 0 && i == 0) {
+        EXPECT_GT((J_sharp - J_pose).col(i).norm(), 4.0);
+      }
     }
   }
 }

@@ -76,7 +76,7 @@ HandShape shape_of(const TrackResult& result, const HandMask& mask) {
     shape.valley_seen[k] = result.valleys[k].seen;
     shape.valleys[k] = to_mask(result.valleys[k].px);
   }
-  fit_hand_shape({}, shape);
+  HandShapeModel{}.fit({}, shape);
   return shape;
 }
 
