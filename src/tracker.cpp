@@ -75,7 +75,7 @@ struct HandTracker::Impl {
 
   // The stages, in the order of the paper's Figure 2.
   bool find_anywhere(const ImageView& frame) noexcept;
-  bool segment(const ImageView& frame) noexcept;
+  bool segment(const ImageView& frame, bool where_expected) noexcept;
   bool keep_hand(const Eigen::Vector2f& palm) noexcept;
   bool find_fingertips() noexcept;
   bool match(bool anew) noexcept;
@@ -112,6 +112,7 @@ struct HandTracker::Impl {
   HandSearch search;
   BinImage bins, search_bins;
   ExpectedRegion expectation;
+  const ExpectedRegion anywhere{.ratios = {ExpectedRegion::kInside}};
   RegionFinder region;
   Contour contour;
   CurvatureFinder curvature;
@@ -211,16 +212,17 @@ PixelRect HandTracker::Impl::region_of_interest(double dt_s) const noexcept {
           static_cast<int>(std::ceil(high.y())) - static_cast<int>(low.y())};
 }
 
-/// Segmentation around where the hand is expected (paper 2.1): leaves mask, component and contour.
-bool HandTracker::Impl::segment(const ImageView& frame) noexcept {
+/// Segmentation around where the hand is expected (paper 2.1), by colour, or `where_expected` by
+/// colour, place and edges: leaves mask, component and contour.
+bool HandTracker::Impl::segment(const ImageView& frame, bool where_expected) noexcept {
   const double dt = state == State::searching ? 0.0 : std::min(time_s - seen_s, 0.1);
   read_bins(frame, region_of_interest(dt), config.half_resolution ? 2 : 1, bins);
   if (bins.width < 16 || bins.height < 16) return false;
   const float step = static_cast<float>(bins.step_px);
   HandShape expected = to_mask(shape);
   expected = expected.transformed(1, static_cast<float>(dt) / step * velocity_px_s);
-  expected.expect(bins.width, bins.height, expectation);
-  region.classify(bins, skin.ratios(), expectation);
+  if (where_expected) expected.expect(bins.width, bins.height, expectation);
+  region.classify(bins, skin.ratios(), where_expected ? expectation : anywhere);
   region.remove_thin(std::max(1, static_cast<int>(0.14f * expected.finger_width + 0.5f)));
   if (!keep_hand(expected.palm())) return false;
   // Edges have cut the region: its border comes back, what hung on by a thread does not.
@@ -357,16 +359,16 @@ bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
     const double m_per_px = result.raw_pose->T_camera_hand.translation().z() / camera.fx_px;
     if (result.raw_pose->rms_px * m_per_px > config.acquisition.max_residual_m) return false;
   }
+  return true;
+}
+
+void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
   if (result.raw_pose && std::isfinite(result.raw_pose->relief_log_ratio)) {
     // Errors of neighbouring frames are alike: each counts for a fraction.
     constexpr double kShare = 0.1, kLimit = 6.0;
     relief_evidence =
         std::clamp(relief_evidence + kShare * result.raw_pose->relief_log_ratio, -kLimit, kLimit);
   }
-  return true;
-}
-
-void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
   if (result.raw_pose) filter.update(time_s, *result.raw_pose);
   result.pose = filter.predict(time_s);
 }
@@ -478,12 +480,20 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
 
   const StageClock clock(t.config.now_s);
   StageTimes& times = result.times;
-  const auto look = [&](bool anew) {
-    return clock.time(times.segmentation_ms, [&] { return t.segment(frame); }) &&
+  const auto look_at = [&](bool anew, bool where_expected) {
+    return clock.time(times.segmentation_ms, [&] { return t.segment(frame, where_expected); }) &&
            clock.time(times.fingertips_ms, [&] { return t.find_fingertips(); }) &&
            clock.time(times.matching_ms, [&] { return t.match(anew); }) &&
            (clock.time(times.fingertips_ms, [&] { t.measure_tips(result); }),
             clock.time(times.pose_ms, [&] { return t.estimate_pose(result); }));
+  };
+  // By colour alone; unless that is surely a hand, by place and edges too: the more hand-like wins.
+  const auto look = [&](bool anew) {
+    const bool seen = look_at(anew, false);
+    const float deviation = t.found.deviation;
+    if (seen && deviation < t.config.shape.sure_deviation) return true;
+    if (look_at(anew, true) && (!seen || t.found.deviation < deviation)) return true;
+    return seen && look_at(anew, false);
   };
   const auto search = [&] {
     return clock.time(times.segmentation_ms, [&] { return t.find_anywhere(frame); });

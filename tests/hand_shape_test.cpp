@@ -195,7 +195,7 @@ TEST(HandShape, ExpectsItselfWhereItIs) {
       inside += place == ExpectedRegion::kInside;
       outside += place == ExpectedRegion::kOutside;
       if (place == ExpectedRegion::kInside) {
-        EXPECT_LT(distance_px, 8) << u << " " << v;
+        EXPECT_LT(distance_px, 12) << u << " " << v;
       }
       if (place < 0) {
         EXPECT_GT(distance_px, 2) << u << " " << v;

@@ -17,6 +17,7 @@ struct HandShapeConfig {
   /// Largest deviation from the shape of hands, in standard deviations (rms); most hands are
   /// below 1.
   double max_deviation = 1.1;
+  double sure_deviation = 0.6;  ///< below this there is no need to look a second time
   double posture_share =
       0.7;                   ///< how much of the variation among hands one and the same hand shows
   double min_aspect = 0.30;  ///< smaller over larger scale of the affine map: cosine of the tilt
