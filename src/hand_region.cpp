@@ -96,7 +96,7 @@ void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> 
     for (int u = 0; u < w; ++place) {
       const int end = std::min(u + expected.cell, w), limit = -9 * *place;
       if (*place == ExpectedRegion::kInside) {
-        for (; u < end; ++u) to[u] = colored[u] = above[u] + at[u] + below[u] > limit ? 255 : 0;
+        for (; u < end; ++u) to[u] = colored[u] = above[u] + at[u] + below[u] > 0 ? 255 : 0;
       } else if (*place == ExpectedRegion::kOutside) {
         for (; u < end; ++u) to[u] = colored[u] = 0;
       } else {

@@ -225,9 +225,12 @@ bool HandTracker::Impl::segment(const ImageView& frame, bool where_expected) noe
   region.classify(bins, skin.ratios(), where_expected ? expectation : anywhere);
   region.remove_thin(std::max(1, static_cast<int>(0.14f * expected.finger_width + 0.5f)));
   if (!keep_hand(expected.palm())) return false;
-  // Edges have cut the region: its border comes back, what hung on by a thread does not.
-  region.grow_back(static_cast<int>(0.18f * expected.finger_width + 0.5f));
-  return keep_hand(expected.palm()) && contour.trace(region.mask(), component);
+  if (where_expected) {
+    // Edges have cut the region: its border comes back, what hung on by a thread does not.
+    region.grow_back(static_cast<int>(0.18f * expected.finger_width + 0.5f));
+    if (!keep_hand(expected.palm())) return false;
+  }
+  return contour.trace(region.mask(), component);
 }
 
 /// The component at `palm` alone.

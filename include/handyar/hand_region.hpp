@@ -24,7 +24,8 @@ struct Mask {
 /// What a pixel's place says beforehand, for squares of `cell` pixels: added to its ratio (eighths
 /// of a nat). By default nothing.
 struct ExpectedRegion {
-  static constexpr std::int8_t kInside = 1, kOutside = -32;  ///< surely in and out of the region
+  static constexpr std::int8_t kInside = 1,
+                               kOutside = -32;  ///< inside adds nothing; outside is no hand
   int cell = 1 << 14, columns = 1;
   std::vector<std::int8_t> ratios = {0};  ///< row by row
 
