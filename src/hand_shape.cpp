@@ -2,7 +2,6 @@
 #include "handyar/hand_shape.hpp"
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -199,31 +198,11 @@ HandShapeModel::HandShapeModel() { set_mean(kMean_mm.cast<double>() / 1000); }
 
 HandShapeModel::HandShapeModel(const HandModel& hand, const HandShapeConfig& config)
     : HandShapeModel() {
-  if (hand.source == HandSource::average_adult) return;
+  if (!hand.has_valleys) return;
   strictness_ = static_cast<float>(1 / config.posture_share);
   const HandModel right = hand.for_layout(Layout::thumb_right);
-  Eigen::Matrix<double, 2, kPoints> mean_m = Eigen::Matrix<double, 2, kPoints>::Zero();
-  mean_m.leftCols<kFingerCount>() = right.tips_m.topRows<2>();
-  if (right.has_valleys) {
-    mean_m.rightCols<kValleyCount>() = right.valleys_m.topRows<2>();
-    set_mean(mean_m);
-    return;
-  }
-  // Deviation from hands in general as a linear function of the nine points, of which the last four
-  // are chosen so that it is least.
-  Eigen::Matrix<double, 2 * kPoints, 2 * kPoints> rest;
-  for (int i = 0; i < 2 * kPoints; ++i) {
-    Eigen::Matrix<double, 2, kPoints> unit = Eigen::Matrix<double, 2, kPoints>::Zero();
-    unit(i % 2, i / 2) = 1;
-    unit -= unit * fit_.cast<double>() * mean_.cast<double>();
-    rest.col(i) = unit.reshaped();
-  }
-  const Eigen::MatrixXd deviation = kWhitening.cast<double>() * rest;
-  const Eigen::VectorXd tips = mean_m.leftCols<kFingerCount>().reshaped();
-  const Eigen::VectorXd valleys = deviation.rightCols(2 * kValleyCount)
-                                      .colPivHouseholderQr()
-                                      .solve(-deviation.leftCols(2 * kFingerCount) * tips);
-  mean_m.rightCols<kValleyCount>() = valleys.reshaped(2, kValleyCount);
+  Eigen::Matrix<double, 2, kPoints> mean_m;
+  mean_m << right.tips_m.topRows<2>(), right.valleys_m.topRows<2>();
   set_mean(mean_m);
 }
 

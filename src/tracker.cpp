@@ -357,7 +357,7 @@ bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
                              : found.layout == measured_layout ? 1.0
                                                                : 0.5;
   result.raw_pose = handyar::estimate_pose(observation, model, camera, config.pose, prior);
-  if (shape_model.measured()) {
+  if (model.source != HandSource::average_adult) {
     if (!result.raw_pose) return false;
     const double m_per_px = result.raw_pose->T_camera_hand.translation().z() / camera.fx_px;
     if (result.raw_pose->rms_px * m_per_px > config.acquisition.max_residual_m) return false;

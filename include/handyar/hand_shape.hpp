@@ -67,11 +67,8 @@ class HandShapeModel {
  public:
   HandShapeModel();  ///< hands in general
 
-  /// Tips, and valleys where they were measured, of this hand; the valleys are otherwise the
-  /// likeliest ones beside these tips. An average hand gives hands in general.
+  /// This hand, where its tips and valleys were measured; else hands in general.
   HandShapeModel(const HandModel& hand, const HandShapeConfig& config);
-
-  bool measured() const noexcept { return strictness_ != 1; }
 
   /// Fits the shape's tips and valleys affinely and compares what is left with how hands vary; sets
   /// image_hand, deviation and finger_width. False when the shape is no hand's.
