@@ -11,8 +11,6 @@ endfunction()
 function(handyar_room name)
   handyar_library(${name} ${ARGN})
   target_include_directories(handyar_${name} PUBLIC include PRIVATE src)
-  target_precompile_headers(handyar_${name} PRIVATE
-    <Eigen/Geometry> <opencv2/core.hpp> <string> <vector>)
 endfunction()
 
 # The project's own code builds without a warning; those who use it are not held to that.
