@@ -140,7 +140,7 @@ void HandShape::expect(int width, int height, ExpectedRegion& region) const noex
     Eigen::Vector2f from, along;
     float per_length2, radius;
   };
-  std::array<Capsule, kFingerCount + 1> parts;
+  std::array<Capsule, kFingerCount + 2> parts;
   for (int f = 0; f < kFingerCount; ++f) {
     const Eigen::Vector2f from = finger_base(f), to = tips[f];
     const float length = std::max((to - from).norm(), finger_width);
@@ -148,7 +148,10 @@ void HandShape::expect(int width, int height, ExpectedRegion& region) const noex
     parts[f] = {from, along, 1 / along.squaredNorm(), 0.5f * finger_width};
   }
   parts[kFingerCount] = {palm(), Eigen::Vector2f::Zero(), 0, 1.05f * palm_radius()};
+  // The ball of the thumb, from the wrist on.
   const Eigen::Vector2f up = image_hand.col(1).normalized(), right(-up.y(), up.x());
+  const Eigen::Vector2f wrist = palm() - palm_radius() * up, ball = finger_base(0) - wrist;
+  parts[kFingerCount + 1] = {wrist, ball, 1 / ball.squaredNorm(), 0.8f * finger_width};
   const float forearm = 1.6f * palm_radius();
 
   region.cell = std::max(2, static_cast<int>(finger_width / 4));
