@@ -128,8 +128,7 @@ bool fit_ellipse(std::span<const Eigen::Vector2f> points, Ellipse& out) noexcept
   return false;
 }
 
-MeasuredTip measure_tip(const Contour& contour, float arc, float width,
-                        FingertipMethod method) noexcept {
+bool fit_tip_ellipse(const Contour& contour, float arc, float width, Ellipse& out) noexcept {
   const int tip = contour.index_at(arc), n = contour.size();
   // The end of the finger: a half circle (0.8 widths of boundary each way) and some of its sides.
   const int reach = std::clamp(contour.index_at(arc + 1.5f * width) - tip, -n, n);
@@ -140,24 +139,20 @@ MeasuredTip measure_tip(const Contour& contour, float arc, float width,
   int count = 0;
   for (int k = -half; k <= half && count < kMaxPoints; k += stride)
     points[count++] = contour[(tip + k + n) % n];
+  return fit_ellipse({points.data(), std::size_t(count)}, out);
+}
 
-  MeasuredTip measured;
-  measured.at = contour[tip];
-  measured.width = width;
-  measured.sigma = 1.5f;
-  if (method == FingertipMethod::curvature) return measured;
+Eigen::Vector2f measure_tip(const Contour& contour, float arc, float width,
+                            FingertipMethod method) noexcept {
+  const Eigen::Vector2f tip = contour[contour.index_at(arc)];
   Ellipse ellipse;
-  if (!fit_ellipse({points.data(), std::size_t(count)}, ellipse)) return measured;
+  if (method == FingertipMethod::curvature || !fit_tip_ellipse(contour, arc, width, ellipse))
+    return tip;
   const Eigen::Vector2f one = ellipse.center + ellipse.major * ellipse.axis;
   const Eigen::Vector2f other = ellipse.center - ellipse.major * ellipse.axis;
-  const Eigen::Vector2f end =
-      (one - measured.at).squaredNorm() < (other - measured.at).squaredNorm() ? one : other;
+  const Eigen::Vector2f end = (one - tip).squaredNorm() < (other - tip).squaredNorm() ? one : other;
   // An ellipse that runs far past the contour was fitted to something else than a fingertip.
-  if ((end - measured.at).norm() > 0.75f * width) return measured;
-  measured.at = end;
-  measured.width = 2 * ellipse.minor;
-  measured.sigma = 0.7f;
-  return measured;
+  return (end - tip).norm() > 0.75f * width ? tip : end;
 }
 
 Eigen::Vector2f measure_valley(const Contour& contour, const Eigen::Vector2f& near,

@@ -89,11 +89,12 @@ void HandSearch::add_levels(int channel, int levels) noexcept {
   // quantiser): between its clusters.
   std::array<float, 256> histogram{};
   for (int i = 0; i < kBinCount; ++i) histogram[channels_[channel][i] + 128] += scene_[i];
+  float sum_of_all = 0;
+  for (const float c : histogram) sum_of_all += c;
   std::array<float, 9> center;
   for (int k = 0; k <= levels; ++k) {
-    float target = 0, total = 0;
-    for (const float c : histogram) target += c;
-    target *= (k + 0.5f) / static_cast<float>(levels + 1);
+    const float target = sum_of_all * ((k + 0.5f) / static_cast<float>(levels + 1));
+    float total = 0;
     int at = 0;
     while (at < 255 && (total += histogram[at]) < target) ++at;
     center[k] = static_cast<float>(at);

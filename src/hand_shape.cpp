@@ -33,11 +33,8 @@ float palm_fill(const HandShape& shape, const Mask& mask) {
     for (int k = 0; k < 12; ++k, ++total) {
       const float angle = 0.5236f * static_cast<float>(k);
       const Eigen::Vector2f offset(std::cos(angle), std::sin(angle));
-      const Eigen::Vector2f at =
-          shape.to_image(in_layout(kPalmCenter, shape.layout) + radius * kPalmRadius_m * offset);
-      const int u = static_cast<int>(std::lround(at.x())),
-                v = static_cast<int>(std::lround(at.y()));
-      inside += u >= 0 && v >= 0 && u < mask.width && v < mask.height && mask.at(u, v);
+      inside += mask.holds(
+          shape.to_image(in_layout(kPalmCenter, shape.layout) + radius * kPalmRadius_m * offset));
     }
   return static_cast<float>(inside) / static_cast<float>(total);
 }
@@ -45,10 +42,6 @@ float palm_fill(const HandShape& shape, const Mask& mask) {
 /// Share of stations along a finger at which the region is about as wide as a finger; of the five
 /// fingers the least.
 float finger_fill(const HandShape& shape, const Mask& mask) {
-  const auto inside = [&](const Eigen::Vector2f& p) {
-    const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
-    return u >= 0 && v >= 0 && u < mask.width && v < mask.height && mask.at(u, v);
-  };
   const float widest = 1.8f * shape.finger_width, narrowest = 0.4f * shape.finger_width;
   int least = std::numeric_limits<int>::max();
   constexpr std::array<float, 5> kStations = {0.4f, 0.5f, 0.6f, 0.7f, 0.8f};
@@ -61,13 +54,13 @@ float finger_fill(const HandShape& shape, const Mask& mask) {
       // The tip and the base are a little off the axis: look for the finger around it.
       Eigen::Vector2f at = from + s * along;
       for (const float shift : {0.25f, -0.25f, 0.5f, -0.5f}) {
-        if (inside(at)) break;
+        if (mask.holds(at)) break;
         at = from + s * along + shift * shape.finger_width * across;
       }
-      if (!inside(at)) continue;
+      if (!mask.holds(at)) continue;
       float left = 0, right = 0;
-      while (left < widest && inside(at + (left + 1) * across)) ++left;
-      while (right < widest && inside(at - (right + 1) * across)) ++right;
+      while (left < widest && mask.holds(at + (left + 1) * across)) ++left;
+      while (right < widest && mask.holds(at - (right + 1) * across)) ++right;
       const float width = left + right + 1;
       good += width > narrowest && width < widest;
     }

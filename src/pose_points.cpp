@@ -44,7 +44,7 @@ std::optional<PosePoints> pose_points(const HandObservation& observation, const 
     points.push_back(p);
   }
   if (points.count < 3) return std::nullopt;
-  for (int i = 0; i < kValleyCount && articulated && hand.has_valleys; ++i) {
+  for (int i = 0; i < kValleyCount && articulated; ++i) {
     const ObservedPoint& seen = observation.valleys[i];
     if (!seen.seen) continue;
     if (!usable(seen)) return std::nullopt;

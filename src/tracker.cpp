@@ -8,6 +8,8 @@
 #include "handyar/hand_search.hpp"
 #include "handyar/matching.hpp"
 #include "handyar/skin_model.hpp"
+#include "skin_samples.hpp"
+#include "stage_clock.hpp"
 
 namespace handyar {
 
@@ -25,32 +27,6 @@ std::string_view name(State state) noexcept {
   return "unknown";
 }
 
-namespace {
-
-/// Adds up what the stages take, where the user gave a clock.
-class StageClock {
- public:
-  explicit StageClock(double (*now_s)()) : now_s_(now_s), start_s_(now()) {}
-  template <class Stage>
-  auto time(double& total_ms, const Stage& stage) const {
-    const double start_s = now();
-    struct AddOnReturn {
-      const StageClock& clock;
-      double start_s, &total_ms;
-      ~AddOnReturn() { total_ms += 1e3 * (clock.now() - start_s); }
-    } add{*this, start_s, total_ms};
-    return stage();
-  }
-  double total_ms() const { return 1e3 * (now() - start_s_); }
-
- private:
-  double now() const { return now_s_ != nullptr ? now_s_() : 0.0; }
-  double (*now_s_)();
-  double start_s_;
-};
-
-}  // namespace
-
 struct HandTracker::Impl {
   Impl(const Camera& c, const HandModel& hand, const Config& cfg)
       : config(cfg),
@@ -63,19 +39,15 @@ struct HandTracker::Impl {
         shape_model(hand, cfg.shape),
         search(cfg.search, cfg.fingertips, cfg.shape, shape_model),
         curvature(cfg.fingertips),
-        filter(cfg.filter) {
-    hand_samples.reserve(kMaxSamples);
-    background_samples.reserve(kMaxSamples);
-  }
-
-  static constexpr int kMaxSamples = 8192;
+        filter(cfg.filter) {}
 
   void prepare(const ImageView& frame);
   void forget() noexcept;
 
   // The stages, in the order of the paper's Figure 2.
   bool find_anywhere(const ImageView& frame) noexcept;
-  bool segment(const ImageView& frame, bool where_expected) noexcept;
+  bool read_neighbourhood(const ImageView& frame) noexcept;
+  bool segment(bool where_expected) noexcept;
   bool keep_hand(const Eigen::Vector2f& palm) noexcept;
   bool find_fingertips() noexcept;
   bool match(bool anew) noexcept;
@@ -90,13 +62,11 @@ struct HandTracker::Impl {
     return {static_cast<float>(bins.x_px(p.x())), static_cast<float>(bins.y_px(p.y()))};
   }
   HandShape to_input(const HandShape& s) const noexcept {
-    return s.transformed(static_cast<float>(bins.step_px),
-                         {float(bins.x_px(0)), float(bins.y_px(0))});
+    return s.transformed(static_cast<float>(bins.step_px), bins.origin_px());
   }
   HandShape to_mask(const HandShape& shape_px) const noexcept {
     const float scale = 1.0f / static_cast<float>(bins.step_px);
-    const Eigen::Vector2f origin(float(bins.x_px(0)), float(bins.y_px(0)));
-    return shape_px.transformed(scale, -scale * origin);
+    return shape_px.transformed(scale, -scale * bins.origin_px());
   }
   const HandModel& hand(Layout layout) const noexcept { return hands[static_cast<int>(layout)]; }
 
@@ -117,16 +87,17 @@ struct HandTracker::Impl {
   Contour contour;
   CurvatureFinder curvature;
   PoseFilter filter;
-  std::vector<ColorBin> hand_samples, background_samples;
+  SkinSamples samples;
   std::vector<Eigen::Vector2f> contour_px;
   int contour_size = 0;
 
   // What is known of the hand from frame to frame.
   State state = State::searching;
-  bool following = false;  // `shape` tells where the hand was in the last frame
-  HandShape shape;         // input pixels
-  bool promising = false;  // `found` was refused, but not by much
-  HandShape found;         // mask pixels of this frame
+  bool following = false;      // `shape` tells where the hand was in the last frame
+  HandShape shape;             // input pixels
+  bool promising = false;      // `found` was refused, but not by much
+  HandShape before, expected;  // mask pixels of this frame: `shape`, and where it should be now
+  HandShape found;             // mask pixels of this frame
   Component component;
   Eigen::Vector2f centroid_px = Eigen::Vector2f::Zero();
   Eigen::Vector2f velocity_px_s = Eigen::Vector2f::Zero();
@@ -180,8 +151,8 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   read_bins(frame, {0, 0, width_px, height_px}, std::max(step, 2), search_bins);
   HandShape coarse;
   if (!search.find(search_bins, space, skin, coarse)) return false;
-  const Eigen::Vector2f origin(float(search_bins.x_px(0)), float(search_bins.y_px(0)));
-  const HandShape candidate = coarse.transformed(static_cast<float>(search_bins.step_px), origin);
+  const HandShape candidate =
+      coarse.transformed(static_cast<float>(search_bins.step_px), search_bins.origin_px());
   if (following) {
     if (candidate.resembles(shape)) {
       acquired_deviation = std::min(acquired_deviation, candidate.deviation);
@@ -212,15 +183,20 @@ PixelRect HandTracker::Impl::region_of_interest(double dt_s) const noexcept {
           static_cast<int>(std::ceil(high.y())) - static_cast<int>(low.y())};
 }
 
-/// Segmentation around where the hand is expected (paper 2.1), by colour, or `where_expected` by
-/// colour, place and edges: leaves mask, component and contour.
-bool HandTracker::Impl::segment(const ImageView& frame, bool where_expected) noexcept {
+/// The neighbourhood of where the hand is expected: leaves bins, and the last shape in them as it
+/// was and as it is expected to be now.
+bool HandTracker::Impl::read_neighbourhood(const ImageView& frame) noexcept {
   const double dt = state == State::searching ? 0.0 : std::min(time_s - seen_s, 0.1);
   read_bins(frame, region_of_interest(dt), config.half_resolution ? 2 : 1, bins);
-  if (bins.width < 16 || bins.height < 16) return false;
+  before = to_mask(shape);
   const float step = static_cast<float>(bins.step_px);
-  HandShape expected = to_mask(shape);
-  expected = expected.transformed(1, static_cast<float>(dt) / step * velocity_px_s);
+  expected = before.transformed(1, static_cast<float>(dt) / step * velocity_px_s);
+  return bins.width >= 16 && bins.height >= 16;
+}
+
+/// Segmentation (paper 2.1) by colour, or `where_expected` by colour, place and edges: leaves mask,
+/// component and contour.
+bool HandTracker::Impl::segment(bool where_expected) noexcept {
   if (where_expected) expected.expect(bins.width, bins.height, expectation);
   region.classify(bins, skin.ratios(), where_expected ? expectation : anywhere);
   region.remove_thin(std::max(1, static_cast<int>(0.14f * expected.finger_width + 0.5f)));
@@ -245,7 +221,7 @@ bool HandTracker::Impl::keep_hand(const Eigen::Vector2f& palm) noexcept {
 
 /// Places where the contour turns as sharply as a fingertip (paper 2.2).
 bool HandTracker::Impl::find_fingertips() noexcept {
-  curvature.find(contour, to_mask(shape).palm_radius());
+  curvature.find(contour, before.palm_radius());
   return static_cast<int>(curvature.tips().size()) >= config.matching.min_tips;
 }
 
@@ -253,16 +229,13 @@ bool HandTracker::Impl::find_fingertips() noexcept {
 /// one; true when tips and valleys together are a hand's. Leaves `found`.
 bool HandTracker::Impl::match(bool anew) noexcept {
   promising = false;
-  const HandShape before = to_mask(shape);
   const auto tips = curvature.tips();
   std::array<Eigen::Vector2f, CurvatureFinder::kMaxTips> candidates;
   for (std::size_t i = 0; i < tips.size(); ++i) candidates[i] = tips[i].at - component.centroid;
 
   const Eigen::Vector2f centroid_before =
       anew ? component.centroid
-           : Eigen::Vector2f(
-                 (centroid_px - Eigen::Vector2f(float(bins.x_px(0)), float(bins.y_px(0)))) /
-                 static_cast<float>(bins.step_px));
+           : Eigen::Vector2f((centroid_px - bins.origin_px()) / static_cast<float>(bins.step_px));
   std::array<Eigen::Vector2f, kFingerCount> previous;
   for (int f = 0; f < kFingerCount; ++f) previous[f] = before.tips[f] - centroid_before;
   const float gate =
@@ -326,8 +299,9 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
   for (int f = 0; f < kFingerCount; ++f) {
     if (!found.tip_seen[f]) continue;
     const float arc = static_cast<float>(found.tip_samples[f]) * curvature.spacing();
-    const MeasuredTip tip = measure_tip(contour, arc, found.finger_width, config.fingertips.method);
-    result.tips[f] = {to_input(tip.at).cast<double>(), true};
+    const Eigen::Vector2f tip =
+        measure_tip(contour, arc, found.finger_width, config.fingertips.method);
+    result.tips[f] = {to_input(tip).cast<double>(), true};
   }
   for (int k = 0; k < kValleyCount; ++k) {
     if (!found.valley_seen[k]) continue;
@@ -335,8 +309,6 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
                                                   found.tips[k + 1], found.finger_width);
     result.valleys[k] = {to_input(valley).cast<double>(), true};
   }
-  contour_size = contour.size();
-  for (int i = 0; i < contour_size; ++i) contour_px[i] = to_input(contour[i]);
 }
 
 /// Camera pose relative to the hand (paper 2.5). False when a measured hand cannot look like this.
@@ -380,51 +352,8 @@ void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
 void HandTracker::Impl::learn(const BinImage& image, const Mask& mask,
                               const HandShape& hand_shape) noexcept {
   if (!std::ranges::all_of(hand_shape.valley_seen, [](bool seen) { return seen; })) return;
-  hand_samples.clear();
-  background_samples.clear();
-  const auto take = [&](const Eigen::Vector2f& p) {
-    const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
-    if (u < 0 || v < 0 || u >= mask.width || v >= mask.height) return;
-    if (hand_samples.size() < hand_samples.capacity())
-      hand_samples.push_back(image.bins[static_cast<std::size_t>(v) * image.width + u]);
-  };
-  // Inside by geometry rather than by the mask, so that a mask that leaked teaches nothing.
-  const float spacing = std::max(1.0f, hand_shape.finger_width / 8);
-  const float core = 0.3f * hand_shape.finger_width;
-  for (int f = 0; f < kFingerCount; ++f) {
-    const Eigen::Vector2f from = hand_shape.finger_base(f), to = hand_shape.tips[f];
-    const float length = (to - from).norm();
-    const Eigen::Vector2f along = (to - from) / std::max(length, 1.0f);
-    const Eigen::Vector2f across(-along.y(), along.x());
-    for (float s = 0; s < length - core; s += spacing)
-      for (float w = -core; w <= core; w += spacing) take(from + s * along + w * across);
-  }
-  const float palm = 0.85f * hand_shape.palm_radius();
-  for (float y = -palm; y <= palm; y += 1.5f * spacing)
-    for (float x = -palm; x <= palm; x += 1.5f * spacing)
-      if (x * x + y * y < palm * palm) take(hand_shape.palm() + Eigen::Vector2f(x, y));
-  Eigen::AlignedBox2f around = hand_shape.bounds();
-  around.extend(
-      Eigen::Vector2f(around.min() - Eigen::Vector2f::Constant(hand_shape.palm_radius())));
-  around.extend(
-      Eigen::Vector2f(around.max() + Eigen::Vector2f::Constant(hand_shape.palm_radius())));
-  const int grid = std::max({2, static_cast<int>(hand_shape.finger_width / 5),
-                             static_cast<int>(std::sqrt(around.volume() / kMaxSamples)) + 1});
-  const int u0 = std::max(grid, int(around.min().x())), v0 = std::max(grid, int(around.min().y()));
-  const int u1 = std::min(mask.width - grid, int(around.max().x()));
-  const int v1 = std::min(mask.height - grid, int(around.max().y()));
-  const auto region_near = [&](int u, int v) {
-    return mask.at(u, v) || mask.at(u - 2, v) || mask.at(u + 2, v) || mask.at(u, v - 2) ||
-           mask.at(u, v + 2);
-  };
-  for (int v = v0; v < v1; v += grid)
-    for (int u = u0; u < u1; u += grid) {
-      // What hangs together with the hand and yet cannot be a part of it is background too.
-      if (region_near(u, v) && hand_shape.may_hold({float(u), float(v)})) continue;
-      if (background_samples.size() < background_samples.capacity())
-        background_samples.push_back(image.bins[static_cast<std::size_t>(v) * image.width + u]);
-    }
-  skin.learn(hand_samples, background_samples);
+  sample_skin(image, mask, hand_shape, samples);
+  skin.learn(samples.hand, samples.background);
 }
 
 /// The states: when a hand is believed, and when it is given up.
@@ -484,7 +413,7 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   const StageClock clock(t.config.now_s);
   StageTimes& times = result.times;
   const auto look_at = [&](bool anew, bool where_expected) {
-    return clock.time(times.segmentation_ms, [&] { return t.segment(frame, where_expected); }) &&
+    return clock.time(times.segmentation_ms, [&] { return t.segment(where_expected); }) &&
            clock.time(times.fingertips_ms, [&] { return t.find_fingertips(); }) &&
            clock.time(times.matching_ms, [&] { return t.match(anew); }) &&
            (clock.time(times.fingertips_ms, [&] { t.measure_tips(result); }),
@@ -492,6 +421,8 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   };
   // By colour alone; unless that is surely a hand, by place and edges too: the more hand-like wins.
   const auto look = [&](bool anew) {
+    if (!clock.time(times.segmentation_ms, [&] { return t.read_neighbourhood(frame); }))
+      return false;
     const bool seen = look_at(anew, false);
     const float deviation = t.found.deviation;
     if (seen && deviation < t.config.shape.sure_deviation) return true;
@@ -519,8 +450,9 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   t.advance(seen);
   result.state = t.state;
   if (!seen || t.state != State::tracking) result.raw_pose.reset();
+  t.contour_size = seen ? t.contour.size() : 0;
+  for (int i = 0; i < t.contour_size; ++i) t.contour_px[i] = t.to_input(t.contour[i]);
   if (!seen) {
-    t.contour_size = 0;
     result.tips = {};
     result.valleys = {};
   } else {

@@ -53,8 +53,8 @@ std::vector<double> tip_errors(FingertipMethod method) {
     finder.find(drawn.contour, kPalmRadius);
     if (finder.tips().size() != 1) continue;
     const float arc = float(finder.tips()[0].sample) * finder.spacing();
-    const MeasuredTip tip = measure_tip(drawn.contour, arc, 2 * kFingerRadius, method);
-    errors.push_back((tip.at.cast<double>() - finger.tip()).norm());
+    const Eigen::Vector2f tip = measure_tip(drawn.contour, arc, 2 * kFingerRadius, method);
+    errors.push_back((tip.cast<double>() - finger.tip()).norm());
   }
   std::ranges::sort(errors);
   return errors;
@@ -90,7 +90,7 @@ TEST(Fingertips, AMirroredFingerHasAMirroredTip) {
     finder.find(m->contour, kPalmRadius);
     ASSERT_EQ(finder.tips().size(), 1u);
     const float arc = float(finder.tips()[0].sample) * finder.spacing();
-    tips.push_back(measure_tip(m->contour, arc, 2 * kFingerRadius, FingertipMethod::ellipse).at);
+    tips.push_back(measure_tip(m->contour, arc, 2 * kFingerRadius, FingertipMethod::ellipse));
   }
   EXPECT_LT((Eigen::Vector2f(kSize - 1 - tips[1].x(), tips[1].y()) - tips[0]).norm(), 1.0f);
 }

@@ -130,14 +130,6 @@ void draw_extrema(cv::Mat& picture, const Stages& stages, const TrackResult& res
                      cv::LINE_AA);
 }
 
-/// The ellipse that measure_tip() fits at this arc length.
-bool fit_tip(const Contour& contour, float arc, float width, Ellipse& ellipse) {
-  std::vector<Eigen::Vector2f> points;
-  for (float s = -1.5f * width; s <= 1.5f * width; s += 1)
-    points.push_back(contour[contour.index_at(arc + s)]);
-  return fit_ellipse(points, ellipse);
-}
-
 /// The ellipse around each fingertip and the tip that was measured with it.
 void draw_ellipses(cv::Mat& picture, const Stages& stages, const TrackResult& result) {
   for (const Extremum& tip : stages.curvature.tips()) {
@@ -147,7 +139,8 @@ void draw_ellipses(cv::Mat& picture, const Stages& stages, const TrackResult& re
       return t.seen && (t.px - stages.to_input(tip.at)).norm() <
                            stages.hand_mask.step_px * stages.shape.finger_width;
     });
-    if (!used || !fit_tip(stages.contour, arc, stages.shape.finger_width, ellipse)) continue;
+    if (!used || !fit_tip_ellipse(stages.contour, arc, stages.shape.finger_width, ellipse))
+      continue;
     const double angle_deg = std::atan2(ellipse.axis.y(), ellipse.axis.x()) * 180 / CV_PI;
     const double size = 2.0 * stages.hand_mask.step_px;
     cv::ellipse(

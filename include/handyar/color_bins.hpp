@@ -41,6 +41,7 @@ struct BinImage {
   /// Input pixel coordinates of the centre of bin (u, v).
   double x_px(double u) const noexcept { return x0_px + u * step_px + 0.5 * (step_px - 1); }
   double y_px(double v) const noexcept { return y0_px + v * step_px + 0.5 * (step_px - 1); }
+  Eigen::Vector2f origin_px() const noexcept { return {float(x_px(0)), float(y_px(0))}; }
 };
 
 /// Reads `roi` (cut to the frame) of a checked frame at 1/step of its size. `out.bins` must have

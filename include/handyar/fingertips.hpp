@@ -69,17 +69,11 @@ class CurvatureFinder {
   int tip_count_ = 0;
 };
 
-/// A fingertip measured on the full contour.
-struct MeasuredTip {
-  Eigen::Vector2f at = Eigen::Vector2f::Zero();  ///< mask pixels, sub-pixel
-  float sigma = 1;                               ///< standard deviation of `at`, mask pixels
-  float width = 0;                               ///< of the finger near its tip, mask pixels
-};
-
-/// Measures the tip near contour arc length `arc` of a finger about `width` mask pixels wide: a
-/// least-squares ellipse around it and the end of its major axis nearest to it (paper 2.2).
-MeasuredTip measure_tip(const Contour& contour, float arc, float width,
-                        FingertipMethod method) noexcept;
+/// Measures the tip near contour arc length `arc` of a finger about `width` mask pixels wide, in
+/// mask pixels: a least-squares ellipse around it and the end of its major axis nearest to it
+/// (paper 2.2).
+Eigen::Vector2f measure_tip(const Contour& contour, float arc, float width,
+                            FingertipMethod method) noexcept;
 
 /// Measures the valley near `near` between two fingers about `width` mask pixels wide: on the full
 /// contour, the deepest point behind the line through both tips of a parabola fitted to the
@@ -94,5 +88,8 @@ struct Ellipse {
   float major = 0, minor = 0;    ///< half lengths
 };
 bool fit_ellipse(std::span<const Eigen::Vector2f> points, Ellipse& out) noexcept;
+
+/// The ellipse that measure_tip() fits to the end of a finger; false when there is none.
+bool fit_tip_ellipse(const Contour& contour, float arc, float width, Ellipse& out) noexcept;
 
 }  // namespace handyar

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,6 +20,11 @@ struct Mask {
   std::uint8_t* row(int v) noexcept { return pixels.data() + (v + 1) * stride() + 1; }
   const std::uint8_t* row(int v) const noexcept { return pixels.data() + (v + 1) * stride() + 1; }
   bool at(int u, int v) const noexcept { return row(v)[u] != 0; }
+  /// The pixel in which a point lies is set; false outside.
+  bool holds(const Eigen::Vector2f& p) const noexcept {
+    const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
+    return u >= 0 && v >= 0 && u < width && v < height && at(u, v);
+  }
 };
 
 /// What a pixel's place says beforehand, for squares of `cell` pixels: added to its ratio (eighths
