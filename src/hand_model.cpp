@@ -51,10 +51,15 @@ Eigen::Matrix<double, 3, kFingerCount> HandModel::directions() const noexcept {
   return d;
 }
 
-Eigen::Vector3d outline_end_m(const Eigen::Vector3d& tip_m, const Eigen::Vector3d& direction,
+Eigen::Matrix<double, 3, kValleyCount> HandModel::valley_directions() const noexcept {
+  const Eigen::Matrix<double, 3, kFingerCount> d = directions();
+  return (d.leftCols<kValleyCount>() + d.rightCols<kValleyCount>()).colwise().normalized();
+}
+
+Eigen::Vector3d outline_end_m(const Eigen::Vector3d& end_m, const Eigen::Vector3d& direction,
                               double radius_m, const Eigen::Vector3d& eye_m) noexcept {
   constexpr double kEndOn = 0.2;  // a finger that points at the eye has no end
-  const Eigen::Vector3d centre = tip_m - radius_m * direction;
+  const Eigen::Vector3d centre = end_m - radius_m * direction;
   const Eigen::Vector3d ray = (centre - eye_m).normalized();
   const Eigen::Vector3d across = direction - direction.dot(ray) * ray;
   return centre + radius_m / std::max(across.norm(), kEndOn) * across;

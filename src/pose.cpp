@@ -170,18 +170,6 @@ PoseEstimate summarise(const Hypotheses& h, const PosePoints& points, const Came
   return e;
 }
 
-/// The hand from its other face: heights are mirrored, and the web between two fingers shows
-/// another edge, farther along the fingers. That much was measured on rendered hands.
-PosePoints from_other_face(const PosePoints& points) {
-  constexpr double kOtherEdge_m = 0.005;
-  PosePoints other = points;
-  for (PosePoint& p : other.at) {
-    p.hand_m.z() = -p.hand_m.z();
-    if (p.finger < 0) p.covariance_m2.diagonal().head<2>().array() += kOtherEdge_m * kOtherEdge_m;
-  }
-  return other;
-}
-
 /// Mean and covariance of two estimates of which one is right.
 PoseEstimate mixture(const PoseEstimate& a, const PoseEstimate& b, double probability_a) {
   PoseEstimate e = probability_a >= 0.5 ? a : b;
@@ -205,7 +193,6 @@ std::optional<PoseEstimate> estimate_pose(const HandObservation& observation, co
   if (!points) return std::nullopt;
   PosePoints mirrored = *points;
   for (PosePoint& p : mirrored.at) p.hand_m.z() = -p.hand_m.z();
-  PosePoints other = from_other_face(*points);
 
   const double p_model = std::clamp(prior.relief_probability, 0.0, 1.0);
   const bool flat =
@@ -218,11 +205,9 @@ std::optional<PoseEstimate> estimate_pose(const HandObservation& observation, co
     if (h.count > 0) deviance_model = h.deviance[0];
   }
   if (p_model < 1 && !flat) {
-    // The evidence for either relief comes from points that are equally certain in both.
     const Hypotheses h = solve_without_outlier(mirrored, camera, config.huber, prior);
+    if (h.count > 0) by_mirrored = summarise(h, mirrored, camera);
     if (h.count > 0) deviance_mirrored = h.deviance[0];
-    const Hypotheses o = solve_without_outlier(other, camera, config.huber, prior);
-    if (h.count > 0 && o.count > 0) by_mirrored = summarise(o, other, camera);
   }
   if (!by_model) return by_mirrored;
   if (!by_mirrored) return by_model;

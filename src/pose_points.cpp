@@ -19,6 +19,7 @@ std::optional<PosePoints> pose_points(const HandObservation& observation, const 
   const double towards_thumb = hand.layout == Layout::thumb_right ? 1.0 : -1.0;
   const Eigen::Matrix<double, 2, kFingerCount> knuckles = hand.knuckles_m();
   const Eigen::Matrix<double, 3, kFingerCount> directions = hand.directions();
+  const Eigen::Matrix<double, 3, kValleyCount> openings = hand.valley_directions();
   const double spread_sigma_rad = articulated ? config.spread_sigma_rad : 0.0;
   const double relief2 = config.relief_sigma_m * config.relief_sigma_m;
 
@@ -49,9 +50,14 @@ std::optional<PosePoints> pose_points(const HandObservation& observation, const 
     if (!seen.seen) continue;
     if (!usable(seen)) return std::nullopt;
     PosePoint p{.hand_m = hand.valleys_m.col(i), .px = seen.px, .sigma_px = seen.sigma_px};
-    p.covariance_m2.diagonal() << config.valley_sigma_m * config.valley_sigma_m,
-        config.valley_sigma_m * config.valley_sigma_m, relief2;
-    p.wander_m = config.valley_wander_m;
+    p.direction = openings.col(i);
+    p.radius_m = config.web_radius_m;
+    Eigen::Matrix3d shape = Eigen::Vector3d(1, 1, 0).asDiagonal();
+    shape +=
+        (config.valley_stretch * config.valley_stretch - 1) * p.direction * p.direction.transpose();
+    p.covariance_m2 = config.valley_sigma_m * config.valley_sigma_m * shape;
+    p.covariance_m2(2, 2) = relief2;
+    p.wander_m2 = config.valley_wander_m * config.valley_wander_m * shape;
     points.push_back(p);
   }
   if (points.count < 4) return std::nullopt;

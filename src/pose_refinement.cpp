@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "so3.hpp"
 
@@ -51,10 +50,9 @@ bool linearise(const PosePoints& points, const Camera& camera, double huber,
     Eigen::Matrix<double, 2, 6> J;
     Eigen::Matrix<double, 2, 3> J_hand;
     if (!reprojection(p, camera, T, r, J, J_hand)) return false;
-    Eigen::Matrix2d S = J_hand * p.covariance_m2 * J_hand.transpose();
-    const double wander_px =
-        p.wander_m * flatness(T, p.hand_m) * J_hand.norm() / std::numbers::sqrt2;
-    S.diagonal().array() += p.sigma_px * p.sigma_px + wander_px * wander_px;
+    const double flat = flatness(T, p.hand_m);
+    Eigen::Matrix2d S = J_hand * (p.covariance_m2 + flat * flat * p.wander_m2) * J_hand.transpose();
+    S.diagonal().array() += p.sigma_px * p.sigma_px;
     const Eigen::Matrix2d information = S.inverse();
     const double s2 = r.dot(information * r);
     const Eigen::Matrix<double, 6, 2> JtW = J.transpose() * (huber_weight(s2, huber) * information);

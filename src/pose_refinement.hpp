@@ -18,10 +18,10 @@ struct PosePoint {
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
   Eigen::Vector2d px = Eigen::Vector2d::Zero();
   double sigma_px = 1.0;
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of the finger, unit; zero for a valley
-  double radius_m = 0;  ///< of the finger's round end, see outline_end_m; 0: a fixed point
-  double wander_m = 0;  ///< how far an outline's point moves on the hand as the view gets flatter
-  int finger = -1;      ///< whose tip it is; -1 for a valley
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of the finger or the opening, unit
+  double radius_m = 0;  ///< of the round end, see outline_end_m; 0: a fixed point
+  Eigen::Matrix3d wander_m2 = Eigen::Matrix3d::Zero();     ///< added to covariance_m2 edge on
+  int finger = -1;                                         ///< whose tip it is; -1 for a valley
   Eigen::Vector3d per_spread_m = Eigen::Vector3d::Zero();  ///< displacement per radian of spread
   double spread_sigma_rad = 0.0;                           ///< prior of that spread
 };

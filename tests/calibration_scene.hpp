@@ -83,8 +83,11 @@ struct Scene {
           outline_end_m(hand.tips_m.col(k), hand.directions().col(k), kTipRadius_m, eye_m);
       v.tips[k] = {noisy(T_camera_hand * end_m, noise_px), true};
     }
-    for (int k = 0; k < kValleyCount && hand.has_valleys; ++k)
-      v.valleys[k] = {noisy(T_camera_hand * hand.valleys_m.col(k), noise_px), true};
+    for (int k = 0; k < kValleyCount && hand.has_valleys; ++k) {
+      const Eigen::Vector3d end_m = outline_end_m(
+          hand.valleys_m.col(k), hand.valley_directions().col(k), kWebRadius_m, eye_m);
+      v.valleys[k] = {noisy(T_camera_hand * end_m, noise_px), true};
+    }
     return v;
   }
 

@@ -61,7 +61,7 @@ inline Eigen::Isometry3d hand_at(double distance_m, double tilt_rad, double axis
 }
 
 /// Exact images of the tips, and of the valleys if the model has them. Tips are the ends of round
-/// fingers, or with a radius of 0 fixed points.
+/// fingers, or with a radius of 0 fixed points; webs are round.
 inline HandObservation project(const HandModel& hand, const Camera& camera,
                                const Eigen::Isometry3d& T, double tip_radius_m = kTipRadius_m) {
   HandObservation o;
@@ -71,8 +71,11 @@ inline HandObservation project(const HandModel& hand, const Camera& camera,
         outline_end_m(hand.tips_m.col(i), hand.directions().col(i), tip_radius_m, eye_m);
     o.tips[i] = {camera.project(T * end_m), 1.0, true};
   }
-  for (int i = 0; i < kValleyCount && hand.has_valleys; ++i)
-    o.valleys[i] = {camera.project(T * hand.valleys_m.col(i).eval()), 1.0, true};
+  for (int i = 0; i < kValleyCount && hand.has_valleys; ++i) {
+    const Eigen::Vector3d end_m =
+        outline_end_m(hand.valleys_m.col(i), hand.valley_directions().col(i), kWebRadius_m, eye_m);
+    o.valleys[i] = {camera.project(T * end_m), 1.0, true};
+  }
   return o;
 }
 

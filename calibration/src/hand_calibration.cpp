@@ -158,11 +158,16 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
     points.valleys_m = triangulate(valley_tracks, poses, camera).p_m;
     plane_points.valleys_m = on_plane(valley_tracks, poses, camera, thickness_m).p_m;
   }
-  // Now that it is known which way each finger points, its tip counts as round.
+  // Now that it is known which way each finger points, tips and webs count as round.
   const Eigen::Isometry3d T_board_flat = hand_frame(points, up);
-  out.tips = triangulate(tip_tracks, poses, camera,
-                         T_board_flat.linear() * hand_model(points, T_board_flat).directions());
+  const HandModel flat = hand_model(points, T_board_flat);
+  out.tips = triangulate(tip_tracks, poses, camera, T_board_flat.linear() * flat.directions(),
+                         kTipRadius_m);
   points.tips_m = out.tips.p_m;
+  if (points.has_valleys)
+    points.valleys_m = triangulate(valley_tracks, poses, camera,
+                                   T_board_flat.linear() * flat.valley_directions(), kWebRadius_m)
+                           .p_m;
   out.T_board_hand = hand_frame(points, up);
   out.by_triangulation = hand_model(points, out.T_board_hand);
   out.by_plane = hand_model(plane_points, hand_frame(plane_points, up));

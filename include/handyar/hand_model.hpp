@@ -64,6 +64,9 @@ struct HandModel {
   /// Unit directions of the fingers in the hand plane, knuckle to tip; z is 0.
   Eigen::Matrix<double, 3, kFingerCount> directions() const noexcept;
 
+  /// Unit directions in the hand plane in which the valleys open: halfway between their fingers.
+  Eigen::Matrix<double, 3, kValleyCount> valley_directions() const noexcept;
+
   /// Distance from thumb tip to little fingertip.
   double span_m() const noexcept { return (tips_m.col(0) - tips_m.col(4)).norm(); }
 };
@@ -71,10 +74,13 @@ struct HandModel {
 /// A fingertip is round, so its outline does not end at a point of the finger: seen from any side
 /// it ends this far from a point within (the radius in which a finger ends, not its half width).
 inline constexpr double kTipRadius_m = 0.0035;
+/// So is the web between two fingers, from back to palm.
+inline constexpr double kWebRadius_m = 0.006;
 
-/// The end of a fingertip's outline as seen from `eye_m`, given where it ends seen from straight
-/// above (`tip_m`) and the finger's unit direction; all in one frame.
-Eigen::Vector3d outline_end_m(const Eigen::Vector3d& tip_m, const Eigen::Vector3d& direction,
+/// Where the outline of a round end is as seen from `eye_m`, given where it is seen from straight
+/// above (`end_m`) and the unit direction in which the finger ends or the valley opens; all in one
+/// frame.
+Eigen::Vector3d outline_end_m(const Eigen::Vector3d& end_m, const Eigen::Vector3d& direction,
                               double radius_m, const Eigen::Vector3d& eye_m) noexcept;
 
 /// The average adult hand, fingers comfortably spread; the source of the figures stands with them
