@@ -17,33 +17,28 @@ bool Contour::trace(const Mask& mask, const Component& component) noexcept {
   // Directions clockwise on the screen, from east: du, dv.
   static constexpr int kDu[8] = {1, 1, 0, -1, -1, -1, 0, 1};
   static constexpr int kDv[8] = {0, 1, 1, 1, 0, -1, -1, -1};
-  const int stride = mask.stride();
-  std::ptrdiff_t step[8];
-  for (int d = 0; d < 8; ++d) step[d] = static_cast<std::ptrdiff_t>(kDv[d]) * stride + kDu[d];
 
   size_ = 0;
   int u = component.first_u, v = component.v0;
-  const std::uint8_t* at = mask.row(v) + u;
-  const std::uint8_t* const start = at;
   int direction = 0, first_direction = -1;
   arc_[0] = 0;
   prefix_[0].setZero();
   do {
     // The pixel before this one in clockwise order around it is background: search from there.
     int d = (direction + 6) & 7, tries = 0;
-    while (tries < 8 && at[step[d]] == 0) {
+    while (tries < 8 && !mask.at(u + kDu[d], v + kDv[d])) {
       d = (d + 1) & 7;
       ++tries;
     }
-    if (tries == 8) break;                           // a single pixel
-    if (at == start && d == first_direction) break;  // about to repeat the first step
+    if (tries == 8) break;  // a single pixel
+    if (u == component.first_u && v == component.v0 && d == first_direction)
+      break;  // about to repeat the first step
     if (first_direction < 0) first_direction = d;
     if (size_ == static_cast<int>(points_.size())) return false;
     points_[size_] = {static_cast<std::int16_t>(u), static_cast<std::int16_t>(v)};
     prefix_[size_ + 1] = prefix_[size_] + Eigen::Vector2i(u, v);
     arc_[size_ + 1] = arc_[size_] + ((d & 1) != 0 ? std::numbers::sqrt2_v<float> : 1.0f);
     ++size_;
-    at += step[d];
     u += kDu[d];
     v += kDv[d];
     direction = d;

@@ -50,8 +50,8 @@ HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fi
       patch_(kCoarseCount),
       patch_smooth_(kCoarseCount) {}
 
-void HandSearch::reserve(int max_pixels) {
-  region_.reserve(max_pixels);
+void HandSearch::reserve(int max_pixels, int max_side) {
+  region_.reserve(max_pixels, max_side);
   contour_.reserve(1 << 13);
 }
 

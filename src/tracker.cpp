@@ -90,6 +90,7 @@ struct HandTracker::Impl {
   SkinSamples samples;
   std::vector<Eigen::Vector2f> contour_px;
   int contour_size = 0;
+  std::vector<std::uint8_t> mask_bytes;  // for those who ask for the mask
 
   // What is known of the hand from frame to frame.
   State state = State::searching;
@@ -135,9 +136,10 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
   const int pixels = width_px * height_px;
   bins.bins.resize(pixels);
   search_bins.bins.resize(pixels / 4 + width_px + height_px);
-  region.reserve(pixels);
+  region.reserve(pixels, std::max(width_px, height_px));
+  mask_bytes.resize(pixels);
   expectation.ratios.resize(pixels);
-  search.reserve(pixels / 4 + width_px + height_px);
+  search.reserve(pixels / 4 + width_px + height_px, std::max(width_px, height_px));
   contour.reserve(1 << 14);
   contour_px.resize(1 << 14);
   forget();
@@ -476,8 +478,9 @@ std::span<const Eigen::Vector2f> HandTracker::contour_px() const noexcept {
 HandMask HandTracker::mask() const noexcept {
   if (impl_->contour_size == 0) return {};
   const Mask& m = impl_->region.mask();
-  return {m.row(0),          m.width,           m.height,           m.stride(),
-          impl_->bins.x0_px, impl_->bins.y0_px, impl_->bins.step_px};
+  m.unpack(impl_->mask_bytes.data());
+  return {impl_->mask_bytes.data(), m.width,           m.height,           m.width,
+          impl_->bins.x0_px,        impl_->bins.y0_px, impl_->bins.step_px};
 }
 
 const HandModel& HandTracker::hand() const noexcept { return impl_->hand(impl_->found.layout); }

@@ -33,14 +33,16 @@ cv::Mat likelihood(const cv::Mat& bgr, std::span<const std::int8_t> ratios) {
   return picture;
 }
 
-/// The tracker's mask with the border that the stages want.
-Mask bordered(const HandMask& from) {
+/// The tracker's mask in the form that the stages want.
+Mask packed(const HandMask& from) {
   Mask mask;
-  mask.width = from.width;
-  mask.height = from.height;
-  mask.pixels.assign(std::size_t(mask.stride()) * (mask.height + 2), 0);
-  for (int v = 0; v < mask.height; ++v)
-    std::copy_n(from.data + v * from.stride_bytes, mask.width, mask.row(v));
+  mask.reserve(from.width * from.height, std::max(from.width, from.height));
+  mask.resize(from.width, from.height);
+  std::vector<std::uint8_t> flags(std::size_t(from.width) + 64);
+  for (int v = 0; v < mask.height; ++v) {
+    for (int u = 0; u < mask.width; ++u) flags[u] = from.data[v * from.stride_bytes + u] != 0;
+    mask.set_row(v, flags.data());
+  }
   return mask;
 }
 
@@ -49,13 +51,8 @@ Component component_of(const Mask& mask) {
   Component c;
   c.u1 = mask.width - 1;
   c.v1 = mask.height - 1;
-  for (int v = 0; v < mask.height; ++v)
-    for (int u = 0; u < mask.width; ++u)
-      if (mask.at(u, v)) {
-        c.v0 = v;
-        c.first_u = u;
-        return c;
-      }
+  while (c.v0 < mask.height && mask.next_set(c.v0, 0) >= mask.width) ++c.v0;
+  if (c.v0 < mask.height) c.first_u = mask.next_set(c.v0, 0);
   return c;
 }
 
@@ -90,7 +87,7 @@ struct Stages {
 
   Stages(const HandTracker& tracker, const FingertipConfig& config, const TrackResult& result)
       : hand_mask(tracker.mask()),
-        mask(bordered(hand_mask)),
+        mask(packed(hand_mask)),
         shape(shape_of(result, hand_mask)),
         curvature(config) {
     contour.reserve(1 << 14);

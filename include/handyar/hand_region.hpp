@@ -2,30 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "handyar/color_bins.hpp"
+#include "handyar/mask.hpp"
 
 namespace handyar {
-
-/// Binary image with a border of one zero pixel on every side, so that neighbours always exist.
-struct Mask {
-  int width = 0, height = 0;  ///< without the border
-  std::vector<std::uint8_t> pixels;
-
-  int stride() const noexcept { return width + 2; }
-  std::uint8_t* row(int v) noexcept { return pixels.data() + (v + 1) * stride() + 1; }
-  const std::uint8_t* row(int v) const noexcept { return pixels.data() + (v + 1) * stride() + 1; }
-  bool at(int u, int v) const noexcept { return row(v)[u] != 0; }
-  /// The pixel in which a point lies is set; false outside.
-  bool holds(const Eigen::Vector2f& p) const noexcept {
-    const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
-    return u >= 0 && v >= 0 && u < width && v < height && at(u, v);
-  }
-};
 
 /// What a pixel's place says beforehand, for squares of `cell` pixels: added to its ratio (eighths
 /// of a nat). By default nothing.
@@ -58,8 +42,8 @@ class RegionFinder {
  public:
   static constexpr int kMaxComponents = 32;
 
-  /// Room for masks of up to `max_pixels`.
-  void reserve(int max_pixels);
+  /// Room for masks of up to `max_pixels` pixels in frames of up to `max_side` pixels a side.
+  void reserve(int max_pixels, int max_side = 4096);
 
   /// mask = ratio of the bin > threshold (eighths of a nat).
   void classify(const BinImage& image, std::span<const std::int8_t> ratios, int threshold) noexcept;
@@ -96,21 +80,21 @@ class RegionFinder {
   struct Run {
     std::int16_t v, u0, u1;  ///< u0 <= u < u1
     std::int32_t label;      ///< union-find parent, then component label
+    std::int32_t area;       ///< of the component, in the run that is its label
   };
-  void resize_mask(int width, int height) noexcept;   ///< and clears its border
-  std::uint8_t* copy_with_room(int radius) noexcept;  ///< of the mask, zeros before and behind
   std::int32_t root(std::int32_t run) noexcept;
+  Component measure(std::int32_t label) noexcept;
 
   Mask mask_;
-  std::vector<std::int16_t> rows_[3];  ///< three rows of horizontally summed ratios
+  Mask colored_;  ///< the mask before edges cut it
+  Mask opened_, scratch_;
+  std::vector<std::int16_t> rows_[3];                ///< three rows of horizontally summed ratios
+  std::vector<std::uint8_t> flags_, colored_flags_;  ///< a row of the masks before it is packed
   std::vector<Run> runs_;
   int run_count_ = 0;
-  std::vector<Component> totals_;  ///< one per root run
   Component components_[kMaxComponents];
   int component_count_ = 0;
   std::vector<std::uint16_t> distance_;
-  std::vector<std::uint8_t> colored_;  ///< the mask before edges cut it
-  std::vector<std::uint8_t> opened_;
 };
 
 }  // namespace handyar

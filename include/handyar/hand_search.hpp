@@ -30,7 +30,7 @@ class HandSearch {
  public:
   HandSearch(const HandSearchConfig& config, const FingertipConfig& fingertips,
              const HandShapeConfig& shape, const HandShapeModel& model = {});
-  void reserve(int max_pixels);
+  void reserve(int max_pixels, int max_side = 4096);
   void reset() noexcept;
 
   /// True when a hand-like region was found. `shape` is then in pixels of `image`, and
