@@ -61,22 +61,43 @@ float fast_log(float x) {
 
 }  // namespace
 
-void smooth_histogram(std::span<const float> count, std::span<float> scratch,
-                      std::span<float> out) noexcept {
+BinRows smooth_histogram(std::span<const float> count, std::span<float> scratch,
+                         std::span<float> out) noexcept {
+  static constexpr float kEmpty[kBinLevels] = {};
+  constexpr int kRows = kBinCount / kBinLevels;
+  BinRows filled, next;
   // Channel by channel; the outermost levels keep what would fall outside.
-  const auto pass = [](const float* from, float* to, int stride) {
-    for (int i = 0; i < kBinCount; i += stride * kBinLevels)
-      for (int level = 0; level < kBinLevels; ++level) {
-        const float* at = from + i + level * stride;
-        const float* below = level > 0 ? at - stride : at;
-        const float* above = level < kBinLevels - 1 ? at + stride : at;
-        float* o = to + i + level * stride;
-        for (int k = 0; k < stride; ++k) o[k] = 0.25f * below[k] + 0.5f * at[k] + 0.25f * above[k];
+  for (int r = 0; r < kRows; ++r) {
+    const float* p = count.data() + r * kBinLevels;
+    float* q = out.data() + r * kBinLevels;
+    filled[r] = std::any_of(p, p + kBinLevels, [](float c) { return c != 0; });
+    if (!filled[r]) continue;
+    q[0] = 0.25f * p[0] + 0.5f * p[0] + 0.25f * p[1];
+    for (int k = 1; k < kBinLevels - 1; ++k)
+      q[k] = 0.25f * p[k - 1] + 0.5f * p[k] + 0.25f * p[k + 1];
+    q[kBinLevels - 1] =
+        0.25f * p[kBinLevels - 2] + 0.5f * p[kBinLevels - 1] + 0.25f * p[kBinLevels - 1];
+  }
+  const auto pass = [&](const float* from, float* to, int stride) {
+    for (int r = 0; r < kRows; ++r) {
+      const int level = r / stride % kBinLevels;
+      const int below = level > 0 ? r - stride : r;
+      const int above = level < kBinLevels - 1 ? r + stride : r;
+      float* __restrict q = to + r * kBinLevels;
+      next[r] = filled[below] || filled[r] || filled[above];
+      if (!next[r]) {
+        std::fill_n(q, kBinLevels, 0.0f);
+        continue;
       }
+      const auto row = [&](int i) { return filled[i] ? from + i * kBinLevels : kEmpty; };
+      const float *p0 = row(below), *p1 = row(r), *p2 = row(above);
+      for (int k = 0; k < kBinLevels; ++k) q[k] = 0.25f * p0[k] + 0.5f * p1[k] + 0.25f * p2[k];
+    }
+    filled = next;
   };
-  pass(count.data(), out.data(), 1);
-  pass(out.data(), scratch.data(), kBinLevels);
-  pass(scratch.data(), out.data(), kBinLevels * kBinLevels);
+  pass(out.data(), scratch.data(), 1);
+  pass(scratch.data(), out.data(), kBinLevels);
+  return filled;
 }
 
 SkinModel::SkinModel(const SkinModelConfig& config)
@@ -85,11 +106,10 @@ SkinModel::SkinModel(const SkinModelConfig& config)
       prior_other_(kBinCount),
       prior_skin_probability_(kBinCount),
       prior_other_probability_(kBinCount),
+      hand_smooth_(kBinCount),
+      background_smooth_(kBinCount),
       scratch_(kBinCount) {
-  for (Histogram* h : {&hand_, &background_}) {
-    h->count.resize(kBinCount);
-    h->smooth.resize(kBinCount);
-  }
+  for (Histogram* h : {&learned_.hand_, &learned_.background_}) h->count.resize(kBinCount);
   if (!config.personal.empty()) personal_ = prior_of(config.personal);
   reset(ColorSpace::rgb);
 }
@@ -110,39 +130,47 @@ void SkinModel::reset(ColorSpace space) noexcept {
     prior_skin_probability_[i] /= skin_total;
     prior_other_probability_[i] /= other_total;
   }
-  for (Histogram* h : {&hand_, &background_}) {
+  for (Histogram* h : {&learned_.hand_, &learned_.background_}) {
     std::ranges::fill(h->count, 0.0f);
-    std::ranges::fill(h->smooth, 0.0f);
     h->total = 0;
   }
-  learned_frames_ = 0;
+  learned_.frames_ = 0;
+  hand_prior_ = background_prior_ = 0;
   rebuild();
 }
 
 void SkinModel::accumulate(Histogram& h, std::span<const ColorBin> bins) noexcept {
   const float keep = 1.0f - 1.0f / static_cast<float>(std::max(config_.learn_frames, 1));
-  for (float& c : h.count) c *= keep;
+  constexpr float kForgotten = 1e-4f;  // of a sample
+  for (float& c : h.count) c = c * keep < kForgotten ? 0.0f : c * keep;
   for (const ColorBin b : bins) h.count[b] += 1;
   h.total = h.total * keep + static_cast<float>(bins.size());
 }
 
 void SkinModel::learn(std::span<const ColorBin> hand,
                       std::span<const ColorBin> background) noexcept {
-  accumulate(hand_, hand);
-  accumulate(background_, background);
-  ++learned_frames_;
+  accumulate(learned_.hand_, hand);
+  accumulate(learned_.background_, background);
+  ++learned_.frames_;
   rebuild();
 }
 
-SkinColors SkinModel::learned_colors() const {
+void SkinModel::keep(Learned& kept) const { kept = learned_; }
+
+void SkinModel::restore(const Learned& kept) noexcept {
+  if (kept.version_ != learned_.version_) learned_ = kept;
+}
+
+SkinColors SkinModel::colors_of(const Learned& learned) const {
+  if (learned.frames_ == 0) return {};
   SkinColors colors;
   std::vector<float> rgb(kBinCount);
   float total = 0;
   for (int i = 0; i < kBinCount; ++i) {
-    const int to = hand_.count[i] > 0 ? rgb_bin_of(i, space_) : -1;
+    const int to = learned.hand_.count[i] > 0 ? rgb_bin_of(i, space_) : -1;
     if (to < 0) continue;
-    rgb[to] += hand_.count[i];
-    total += hand_.count[i];
+    rgb[to] += learned.hand_.count[i];
+    total += learned.hand_.count[i];
   }
   for (int i = 0; i < kBinCount; ++i)
     if (rgb[i] > 0) colors.entries.push_back({static_cast<ColorBin>(i), rgb[i] / total});
@@ -150,24 +178,50 @@ SkinColors SkinModel::learned_colors() const {
 }
 
 void SkinModel::rebuild() noexcept {
-  float hand_scale = 0, background_scale = 0, hand_prior = 1, background_prior = 1;
-  const auto mix = [&](Histogram& h, double prior_weight, float& scale, float& prior) {
-    if (h.total < 1) return;
-    smooth_histogram(h.count, scratch_, h.smooth);
-    prior = static_cast<float>(prior_weight);
-    scale = (1 - prior) / h.total;
+  static constexpr float kEmpty[kBinLevels] = {};
+  constexpr int kRows = kBinCount / kBinLevels;
+  struct Part {
+    BinRows rows{};
+    float scale = 0, prior = 1;
   };
-  mix(hand_, config_.hand_prior_weight, hand_scale, hand_prior);
-  mix(background_, config_.background_prior_weight, background_scale, background_prior);
-  const float limit = 32;
-  for (int i = 0; i < kBinCount; ++i) {
-    const float hand = hand_scale * hand_.smooth[i] + hand_prior * prior_skin_probability_[i];
-    const float background =
-        background_scale * background_.smooth[i] + background_prior * prior_other_probability_[i];
-    const float ratio =
-        8 * (fast_log(hand + kMinProbability) - fast_log(background + kMinProbability));
-    ratios_[i] = static_cast<std::int8_t>(std::clamp(ratio, -limit, limit));
+  const auto smooth = [&](const Histogram& h, double prior_weight, std::vector<float>& out) {
+    Part part;
+    if (h.total < 1) return part;
+    part.rows = smooth_histogram(h.count, scratch_, out);
+    part.prior = static_cast<float>(prior_weight);
+    part.scale = (1 - part.prior) / h.total;
+    return part;
+  };
+  const Part hand = smooth(learned_.hand_, config_.hand_prior_weight, hand_smooth_);
+  const Part background =
+      smooth(learned_.background_, config_.background_prior_weight, background_smooth_);
+  const auto mix = [&](int row, const float* hand_count, const float* background_count,
+                       std::int8_t* __restrict out) {
+    constexpr float kLimit = 32;
+    const float* skin = prior_skin_probability_.data() + row * kBinLevels;
+    const float* other = prior_other_probability_.data() + row * kBinLevels;
+    for (int k = 0; k < kBinLevels; ++k) {
+      const float p = hand.scale * hand_count[k] + hand.prior * skin[k];
+      const float q = background.scale * background_count[k] + background.prior * other[k];
+      const float ratio = 8 * (fast_log(p + kMinProbability) - fast_log(q + kMinProbability));
+      out[k] = static_cast<std::int8_t>(std::clamp(ratio, -kLimit, kLimit));
+    }
+  };
+  if (hand.prior != hand_prior_ || background.prior != background_prior_) {
+    hand_prior_ = hand.prior;
+    background_prior_ = background.prior;
+    for (int r = 0; r < kRows; ++r) mix(r, kEmpty, kEmpty, unseen_.data() + r * kBinLevels);
   }
+  learned_.ratios_ = unseen_;
+  for (int r = 0; r < kRows; ++r) {
+    if (!hand.rows[r] && !background.rows[r]) continue;
+    const auto row = [&](const Part& part, const std::vector<float>& counts) {
+      return part.rows[r] ? counts.data() + r * kBinLevels : kEmpty;
+    };
+    mix(r, row(hand, hand_smooth_), row(background, background_smooth_),
+        learned_.ratios_.data() + r * kBinLevels);
+  }
+  learned_.version_ = ++version_;
 }
 
 }  // namespace handyar

@@ -35,7 +35,6 @@ struct HandTracker::Impl {
         measured_layout(hand.layout),
         hands{hand.for_layout(Layout::thumb_right), hand.for_layout(Layout::thumb_left)},
         skin(cfg.skin),
-        trusted_skin(cfg.skin),
         shape_model(hand, cfg.shape),
         search(cfg.search, cfg.fingertips, cfg.shape, shape_model),
         curvature(cfg.fingertips),
@@ -77,7 +76,8 @@ struct HandTracker::Impl {
   int width_px = 0, height_px = 0;
   ColorSpace space = ColorSpace::rgb;
 
-  SkinModel skin, trusted_skin;  // the latter as it was when the hand was last tracked
+  SkinModel skin;
+  SkinModel::Learned trusted_skin;  // as it was when the hand was last tracked
   HandShapeModel shape_model;
   HandSearch search;
   BinImage bins, search_bins;
@@ -114,7 +114,7 @@ struct HandTracker::Impl {
 
 void HandTracker::Impl::forget() noexcept {
   skin.reset(space);
-  trusted_skin.reset(space);
+  skin.keep(trusted_skin);
   search.reset();
   filter.reset();
   time_s = -std::numeric_limits<double>::infinity();
@@ -166,7 +166,7 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   acquired_deviation = candidate.deviation;
   velocity_px_s.setZero();
   following = false;
-  skin = trusted_skin;
+  skin.restore(trusted_skin);
   learn(search_bins, search.region().mask(), coarse);
   return true;
 }
@@ -383,11 +383,11 @@ void HandTracker::Impl::advance(bool seen) noexcept {
     seen_s = time_s;
     return;
   }
-  if (state == State::tracking) trusted_skin = skin;
+  if (state == State::tracking) skin.keep(trusted_skin);
   state = known ? State::lost : State::searching;
   following = following && time_s - tracked_s < limits.coast_s;
   if (!following) {
-    skin = trusted_skin;
+    skin.restore(trusted_skin);
     filter.reset();
   }
 }
@@ -490,8 +490,9 @@ std::span<const std::int8_t> HandTracker::color_ratios() const noexcept {
 }
 
 SkinColors HandTracker::learned_colors() const {
-  const bool tracking = impl_->state == State::tracking;
-  return (tracking ? impl_->skin : impl_->trusted_skin).learned_colors();
+  const SkinModel& skin = impl_->skin;
+  return impl_->state == State::tracking ? skin.learned_colors()
+                                         : skin.colors_of(impl_->trusted_skin);
 }
 
 void HandTracker::reset() noexcept { impl_->forget(); }

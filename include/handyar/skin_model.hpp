@@ -41,6 +41,19 @@ class SkinModel {
  public:
   using Ratios = std::array<std::int8_t, kBinCount>;
 
+  /// What was learned: all that changes from frame to frame.
+  class Learned {
+    friend class SkinModel;
+    struct Histogram {
+      std::vector<float> count;
+      float total = 0;
+    };
+    Histogram hand_, background_;
+    Ratios ratios_{};
+    int frames_ = 0;
+    std::uint32_t version_ = 0;  // no two that a model learned have the same
+  };
+
   explicit SkinModel(const SkinModelConfig& config = {});
 
   /// Back to the prior, for frames of the given colour space.
@@ -50,21 +63,25 @@ class SkinModel {
   /// around it that surely do not.
   void learn(std::span<const ColorBin> hand, std::span<const ColorBin> background) noexcept;
 
-  bool has_learned() const noexcept { return learned_frames_ > 0; }
-  /// Colours of the hand over the last frames; empty before anything was learned. Takes memory.
-  SkinColors learned_colors() const;
+  bool has_learned() const noexcept { return learned_.frames_ > 0; }
 
-  const Ratios& ratios() const noexcept { return ratios_; }
+  /// Keeps what was learned so far in `kept`, which takes memory the first time.
+  void keep(Learned& kept) const;
+  /// Back to what was kept since the last reset().
+  void restore(const Learned& kept) noexcept;
+
+  /// Colours of the hand over the last frames; empty before anything was learned. Takes memory.
+  SkinColors learned_colors() const { return colors_of(learned_); }
+  SkinColors colors_of(const Learned& learned) const;
+
+  const Ratios& ratios() const noexcept { return learned_.ratios_; }
 
   /// -log probability in eighths of a nat of each bin under the prior alone, bin by bin.
   std::span<const std::uint8_t> prior_skin() const noexcept { return prior_skin_; }
   std::span<const std::uint8_t> prior_other() const noexcept { return prior_other_; }
 
  private:
-  struct Histogram {
-    std::vector<float> count, smooth;
-    float total = 0;
-  };
+  using Histogram = Learned::Histogram;
   void accumulate(Histogram& histogram, std::span<const ColorBin> bins) noexcept;
   void rebuild() noexcept;
 
@@ -73,15 +90,21 @@ class SkinModel {
   std::vector<std::uint8_t> personal_;  // by RGB bin, as the prior's table; empty: none
   std::vector<std::uint8_t> prior_skin_, prior_other_;
   std::vector<float> prior_skin_probability_, prior_other_probability_;
-  Histogram hand_, background_;
-  std::vector<float> scratch_;
-  int learned_frames_ = 0;
-  Ratios ratios_{};
+  Ratios unseen_{};  // of colours that were seen neither on the hand nor around it
+  float hand_prior_ = 0, background_prior_ = 0;  // weights for which it was made
+  std::vector<float> hand_smooth_, background_smooth_, scratch_;
+  Learned learned_;
+  std::uint32_t version_ = 0;
 };
 
+/// Rows of bins, all levels of the last channel: whether a row holds anything. A picture has few
+/// colours: most rows are empty.
+using BinRows = std::array<bool, kBinCount / kBinLevels>;
+
 /// Spreads each bin's count over its neighbours (binomial 1 2 1 along each channel), so that few
-/// samples stand for the colours around them. `scratch` and `out` have kBinCount entries.
-void smooth_histogram(std::span<const float> count, std::span<float> scratch,
-                      std::span<float> out) noexcept;
+/// samples stand for the colours around them. All have kBinCount entries. Returns which rows of
+/// `out` are not empty.
+BinRows smooth_histogram(std::span<const float> count, std::span<float> scratch,
+                         std::span<float> out) noexcept;
 
 }  // namespace handyar
