@@ -7,20 +7,6 @@
 namespace handyar {
 namespace {
 
-enum ChannelIndex {
-  kSkin,
-  kPrior,
-  kScene,  // log likelihood ratios, eighths of a nat
-  kLuma,
-  kRed,
-  kBlue,  // plain differences of the colours
-  kDark,
-  kNotRed,
-  kNotBlue,  // and their negatives: a hand may lie on either side of a threshold
-  kPatch,
-  kChannels
-};
-
 // Patches are compared at 16 levels a channel: they hold few pixels.
 constexpr int kCoarseLevels = 16, kCoarseCount = kCoarseLevels * kCoarseLevels * kCoarseLevels;
 constexpr int kPatchColumns = 10, kPatchRows = 8, kTriedPatches = 24;
@@ -28,6 +14,18 @@ constexpr int kPatchColumns = 10, kPatchRows = 8, kTriedPatches = 24;
 int coarse(int bin) { return (bin >> 11) << 8 | ((bin >> 6) & 15) << 4 | ((bin >> 1) & 15); }
 
 std::int8_t clamp8(double x) { return static_cast<std::int8_t>(std::clamp(x, -127.0, 127.0)); }
+
+/// Bit k of word i becomes bit i of word k.
+void transpose(std::uint32_t* words) {
+  std::uint32_t keep = 0x0000ffff;
+  for (int by = 16; by > 0; by >>= 1, keep ^= keep << by)
+    for (int i = 0; i < 32; i += 2 * by)
+      for (int k = i; k < i + by; ++k) {
+        const std::uint32_t swapped = (words[k] >> by ^ words[k + by]) & keep;
+        words[k] ^= swapped << by;
+        words[k + by] ^= swapped;
+      }
+}
 
 HandShapeConfig shape_to_look_for(const HandSearchConfig& config, HandShapeConfig shape) {
   shape.max_deviation = config.max_deviation;
@@ -42,16 +40,18 @@ HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fi
       shape_config_(shape_to_look_for(config, shape)),
       shape_model_(model),
       curvature_(fingertips),
-      channels_(kChannels),
-      scene_(kBinCount),
+      count_(kBinCount),
       scratch_(kBinCount),
       smooth_(kBinCount),
-      scene_coarse_(kCoarseCount),
+      coarse_(kCoarseCount),
       patch_(kCoarseCount),
-      patch_smooth_(kCoarseCount) {}
+      patch_smooth_(kCoarseCount),
+      marks_(kBinCount),
+      masks_(kMaxAtOnce) {}
 
 void HandSearch::reserve(int max_pixels, int max_side) {
   region_.reserve(max_pixels, max_side);
+  for (Mask& mask : masks_) mask.reserve(max_pixels, max_side);
   contour_.reserve(1 << 13);
 }
 
@@ -62,33 +62,36 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
     fixed_channels_ready_ = true;
     for (int i = 0; i < kBinCount; ++i) {
       const Eigen::Vector3d rgb = rgb_of(static_cast<ColorBin>(i), space_);
-      const double luma = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
-      channels_[kLuma][i] = clamp8(luma - 128);
-      channels_[kRed][i] = clamp8(rgb[0] - rgb[1]);
-      channels_[kBlue][i] = clamp8(rgb[2] - 0.5 * (rgb[0] + rgb[1]));
-      for (const int c : {kLuma, kRed, kBlue})
-        channels_[c + kDark - kLuma][i] = static_cast<std::int8_t>(-channels_[c][i]);
-      channels_[kPrior][i] = clamp8(skin.prior_other()[i] - skin.prior_skin()[i]);
+      luma_[i] = clamp8(0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2] - 128);
+      red_[i] = clamp8(rgb[0] - rgb[1]);
+      blue_[i] = clamp8(rgb[2] - 0.5 * (rgb[0] + rgb[1]));
+      prior_[i] = clamp8(skin.prior_other()[i] - skin.prior_skin()[i]);
     }
   }
-  std::ranges::fill(scene_, 0.0f);
-  for (const ColorBin b : image.used()) scene_[b] += 1;
-  smooth_histogram(scene_, scratch_, smooth_);
+  std::ranges::fill(count_, 0.0f);
+  for (const ColorBin b : image.used()) count_[b] += 1;
+  const BinRows spread = smooth_histogram(count_, scratch_, smooth_);
   const float total = static_cast<float>(image.used().size());
-  std::ranges::copy(skin.ratios(), channels_[kSkin].begin());
-  std::ranges::fill(scene_coarse_, 0.0f);
-  for (int i = 0; i < kBinCount; ++i) {
-    scene_coarse_[coarse(i)] += smooth_[i] / total;
-    channels_[kScene][i] =
-        clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(smooth_[i] / total, 1e-6f)));
+  std::ranges::fill(coarse_, 0.0f);
+  for (int row = 0; row < static_cast<int>(spread.size()); ++row) {
+    const int begin = row * kBinLevels, end = begin + kBinLevels;
+    seen_[row] = spread[row] && std::any_of(count_.begin() + begin, count_.begin() + end,
+                                            [](float c) { return c != 0; });
+    if (!spread[row]) continue;
+    for (int i = begin; i < end; ++i) coarse_[coarse(i)] += smooth_[i] / total;
+    if (!seen_[row]) continue;
+    for (int i = begin; i < end; ++i)
+      scene_[i] = clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(smooth_[i] / total, 1e-6f)));
   }
 }
 
-void HandSearch::add_levels(int channel, int levels) noexcept {
+void HandSearch::add_levels(const Channel& channel, int levels) noexcept {
   // Thresholds that cut the scene's distribution of this channel where it is thin (Lloyd's
   // quantiser): between its clusters.
   std::array<float, 256> histogram{};
-  for (int i = 0; i < kBinCount; ++i) histogram[channels_[channel][i] + 128] += scene_[i];
+  for (int row = 0; row < static_cast<int>(seen_.size()); ++row)
+    for (int i = row * kBinLevels; seen_[row] && i < (row + 1) * kBinLevels; ++i)
+      histogram[channel[i] + 128] += count_[i];
   float sum_of_all = 0;
   for (const float c : histogram) sum_of_all += c;
   std::array<float, 9> center;
@@ -112,17 +115,17 @@ void HandSearch::add_levels(int channel, int levels) noexcept {
   }
   for (int k = 0; k < levels; ++k) {
     const int cut = static_cast<int>(0.5f * (center[k] + center[k + 1])) - 128;
-    readings_[reading_count_++] = {channel, cut};
-    readings_[reading_count_++] = {channel + kDark - kLuma, -cut};
+    readings_[reading_count_++] = {&channel, cut};
+    readings_[reading_count_++] = {&channel, -cut, true};
   }
 }
 
 void HandSearch::list_readings(const BinImage& image) noexcept {
   reading_count_ = 0;
   const auto add = [&](const Reading& r) { readings_[reading_count_++] = r; };
-  for (const int t : {-8, 0, 8, 16}) add({kPrior, t});
-  for (const int t : {-16, -12, -8, -4, 0, 8}) add({kScene, t});
-  for (const int channel : {kLuma, kRed, kBlue}) add_levels(channel, 5);
+  for (const int t : {-8, 0, 8, 16}) add({&prior_, t});
+  for (const int t : {-16, -12, -8, -4, 0, 8}) add({&scene_, t});
+  for (const Channel* channel : {&luma_, &red_, &blue_}) add_levels(*channel, 5);
   // Patches, the most skin-like first; the darkest hand is still likelier skin than most things.
   std::array<std::pair<float, int>, kPatchColumns * kPatchRows> patches;
   for (int p = 0; p < static_cast<int>(patches.size()); ++p) {
@@ -131,11 +134,11 @@ void HandSearch::list_readings(const BinImage& image) noexcept {
     float sum = 0;
     for (int v = v0; v < v0 + image.height / kPatchRows; v += 4)
       for (int u = u0; u < u0 + image.width / kPatchColumns; u += 4)
-        sum += channels_[kPrior][image.bins[static_cast<std::size_t>(v) * image.width + u]];
+        sum += prior_[image.bins[static_cast<std::size_t>(v) * image.width + u]];
     patches[p] = {-sum, p};
   }
   std::ranges::sort(patches);
-  for (int k = 0; k < kTriedPatches; ++k) add({kPatch, 0, patches[k].second});
+  for (int k = 0; k < kTriedPatches; ++k) add({nullptr, 0, false, patches[k].second});
   // Interleave, so that a frame's turn holds readings of every kind.
   constexpr int kStride = 7;
   std::array<Reading, 128> mixed;
@@ -144,7 +147,7 @@ void HandSearch::list_readings(const BinImage& image) noexcept {
   std::copy_n(mixed.begin(), reading_count_, readings_.begin());
 }
 
-/// Fills the patch channel: colours of a patch against those of the whole frame.
+/// Which coarse colours a patch has more of than the whole frame.
 void HandSearch::read_patch(const BinImage& image, int patch) noexcept {
   const int width = image.width / kPatchColumns, height = image.height / kPatchRows;
   const int u0 = patch % kPatchColumns * width, v0 = patch / kPatchColumns * height;
@@ -163,25 +166,59 @@ void HandSearch::read_patch(const BinImage& image, int patch) noexcept {
     patch_.swap(patch_smooth_);
   }
   const float total = static_cast<float>(width * height);
-  std::array<std::int8_t, kCoarseCount> ratio;
   for (int i = 0; i < kCoarseCount; ++i)
-    ratio[i] = patch_[i] / total > 1.5f * scene_coarse_[i] + 1e-4f ? 1 : -1;
-  for (int i = 0; i < kBinCount; ++i) channels_[kPatch][i] = ratio[coarse(i)];
+    in_patch_[i] = patch_[i] / total > 1.5f * coarse_[i] + 1e-4f;
 }
 
-void HandSearch::classify(const BinImage& image, const Reading& reading) noexcept {
-  if (reading.patch >= 0) read_patch(image, reading.patch);
-  region_.classify(image, channels_[reading.channel], reading.threshold);
+/// Bit k of a bin's mark: reading k takes its colour for the hand's.
+void HandSearch::mark_bins(const BinImage& image, std::span<const Reading> readings) noexcept {
+  std::ranges::fill(marks_, 0u);
+  for (std::size_t k = 0; k < readings.size(); ++k) {
+    const Reading& reading = readings[k];
+    if (reading.patch >= 0) read_patch(image, reading.patch);
+    const int sign = reading.below ? -1 : 1;
+    for (int row = 0; row < static_cast<int>(seen_.size()); ++row) {
+      if (!seen_[row]) continue;
+      const int begin = row * kBinLevels;
+      std::uint32_t* marks = marks_.data() + begin;
+      if (reading.patch >= 0) {
+        const bool* in_patch = in_patch_.data() + coarse(begin);
+        for (int i = 0; i < kBinLevels; ++i) marks[i] |= std::uint32_t{in_patch[i / 2]} << k;
+      } else {
+        const std::int8_t* channel = reading.channel->data() + begin;
+        for (int i = 0; i < kBinLevels; ++i)
+          marks[i] |= std::uint32_t{sign * channel[i] > reading.threshold} << k;
+      }
+    }
+  }
+}
+
+/// The masks of all readings at once: every pixel is looked up a single time.
+void HandSearch::draw_masks(const BinImage& image, int count) noexcept {
+  for (int k = 0; k < count; ++k) masks_[k].resize(image.width, image.height);
+  const ColorBin* bin = image.bins.data();
+  for (int v = 0; v < image.height; ++v)
+    for (int u = 0; u < image.width; u += 32) {
+      std::array<std::uint32_t, 32> block{};
+      const int length = std::min(32, image.width - u);
+      for (int i = 0; i < length; ++i) block[i] = marks_[*bin++];
+      transpose(block.data());
+      for (int k = 0; k < count; ++k)
+        masks_[k].row(v)[u >> 6] |= std::uint64_t{block[k]} << (u & 32);
+    }
+}
+
+std::span<const Component> HandSearch::components_of(int mask) noexcept {
+  region_.classify(masks_[mask]);
   region_.remove_thin(1);
+  const int pixels = masks_[mask].width * masks_[mask].height;
+  return region_.components(static_cast<int>(config_.min_area_share * pixels));
 }
 
-bool HandSearch::try_reading(const BinImage& image, const Reading& reading, HandShape& best,
-                             Component& best_component) noexcept {
-  classify(image, reading);
-  const int pixels = image.width * image.height;
-  const auto components = region_.components(static_cast<int>(config_.min_area_share * pixels));
+bool HandSearch::try_mask(int mask, HandShape& best, Component& best_component) noexcept {
+  const int pixels = masks_[mask].width * masks_[mask].height;
   bool found = false;
-  for (const Component& c : components) {
+  for (const Component& c : components_of(mask)) {
     if (c.area > 0.7 * pixels || !contour_.trace(region_.mask(), c)) continue;
     const Disc disc = region_.deepest(c);
     // The deepest point may lie in a forearm or in something that hangs together with the hand.
@@ -209,20 +246,22 @@ bool HandSearch::find(const BinImage& image, ColorSpace space, const SkinModel& 
   }
   read_scene(image, skin);
   list_readings(image);
+  // What was learned comes first in every frame; the other readings take turns.
+  const int turns = std::min({config_.readings_per_frame, reading_count_, kMaxAtOnce - 1});
+  std::array<Reading, kMaxAtOnce> now;
+  now[0] = {&skin.ratios(), 0};
+  for (int k = 0; k < turns; ++k) now[k + 1] = readings_[(next_ + k) % reading_count_];
+  next_ = (next_ + turns) % reading_count_;
+  mark_bins(image, {now.data(), static_cast<std::size_t>(turns) + 1});
+  draw_masks(image, turns + 1);
+
   shape.deviation = static_cast<float>(shape_config_.max_deviation);
   Component component;
   int winner = -1;
-  // What was learned comes first in every frame; the other readings take turns.
-  readings_[reading_count_] = {kSkin, 0};
-  if (try_reading(image, readings_[reading_count_], shape, component)) winner = reading_count_;
-  for (int k = 0; k < std::min(config_.readings_per_frame, reading_count_); ++k) {
-    const int i = (next_ + k) % reading_count_;
-    if (try_reading(image, readings_[i], shape, component)) winner = i;
-  }
-  next_ = (next_ + config_.readings_per_frame) % reading_count_;
+  for (int k = 0; k <= turns; ++k)
+    if (try_mask(k, shape, component)) winner = k;
   if (winner < 0) return false;
-  classify(image, readings_[winner]);
-  for (const Component& c : region_.components(component.area))
+  for (const Component& c : components_of(winner))
     if (c.label == component.label) component = c;
   region_.keep_only(component);
   return true;

@@ -45,6 +45,9 @@ class RegionFinder {
   /// Room for masks of up to `max_pixels` pixels in frames of up to `max_side` pixels a side.
   void reserve(int max_pixels, int max_side = 4096);
 
+  /// mask = what was classified elsewhere.
+  void classify(const Mask& mask) noexcept { mask_.copy(mask); }
+
   /// mask = ratio of the bin > threshold (eighths of a nat).
   void classify(const BinImage& image, std::span<const std::int8_t> ratios, int threshold) noexcept;
 

@@ -42,18 +42,21 @@ class HandSearch {
 
  private:
   using Channel = std::array<std::int8_t, kBinCount>;
+  static constexpr int kMaxAtOnce = 32;  ///< readings: a bit each
   struct Reading {
-    int channel = 0;
+    const Channel* channel = nullptr;
     int threshold = 0;
-    int patch = -1;  ///< not a channel but the colours of this patch
+    bool below = false;  ///< the channel's negative: a hand may lie on either side of a threshold
+    int patch = -1;      ///< not a channel but the colours of this patch
   };
   void read_scene(const BinImage& image, const SkinModel& skin) noexcept;
   void list_readings(const BinImage& image) noexcept;
-  void add_levels(int channel, int levels) noexcept;
+  void add_levels(const Channel& channel, int levels) noexcept;
   void read_patch(const BinImage& image, int patch) noexcept;
-  void classify(const BinImage& image, const Reading& reading) noexcept;
-  bool try_reading(const BinImage& image, const Reading& reading, HandShape& best,
-                   Component& best_component) noexcept;
+  void mark_bins(const BinImage& image, std::span<const Reading> readings) noexcept;
+  void draw_masks(const BinImage& image, int count) noexcept;
+  std::span<const Component> components_of(int mask) noexcept;
+  bool try_mask(int mask, HandShape& best, Component& best_component) noexcept;
 
   HandSearchConfig config_;
   HandShapeConfig shape_config_;
@@ -61,12 +64,16 @@ class HandSearch {
   RegionFinder region_;
   Contour contour_;
   CurvatureFinder curvature_;
-  std::vector<Channel> channels_;
-  std::vector<float> scene_, scratch_, smooth_;
-  std::vector<float> scene_coarse_, patch_, patch_smooth_;
+  Channel prior_, scene_, luma_, red_, blue_;
+  std::vector<float> count_, scratch_, smooth_;  ///< of the scene's colours
+  BinRows seen_{};                               ///< rows of bins that the scene has
+  std::vector<float> coarse_, patch_, patch_smooth_;
+  std::array<bool, 4096> in_patch_{};
   std::array<Reading, 128> readings_;
   int reading_count_ = 0;
-  int next_ = 0;  ///< whose turn it is
+  int next_ = 0;                      ///< whose turn it is
+  std::vector<std::uint32_t> marks_;  ///< of each bin, a bit for each of this frame's readings
+  std::vector<Mask> masks_;
   ColorSpace space_ = ColorSpace::rgb;
   bool fixed_channels_ready_ = false;
 };
