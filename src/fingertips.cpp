@@ -14,10 +14,27 @@ float cross(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
+/// Adds `weight` times the cosine between the arms at each of `n` samples, -1 where they turn in.
+void add_convexity(const float* x, const float* y, int n, int arm, float weight,
+                   float* __restrict sum) {
+  for (int i = 0; i < n; ++i) {
+    const float ax = x[i - arm] - x[i], ay = y[i - arm] - y[i];
+    const float bx = x[i + arm] - x[i], by = y[i + arm] - y[i];
+    const float cosine =
+        (ax * bx + ay * by) / std::sqrt((ax * ax + ay * ay) * (bx * bx + by * by) + 1e-6f);
+    // (-a) x b > 0: the contour turns clockwise, outwards.
+    sum[i] += weight * (bx * ay - by * ax > 0 ? cosine : -1.0f);
+  }
+}
+
 }  // namespace
 
 CurvatureFinder::CurvatureFinder(const FingertipConfig& config)
-    : config_(config), samples_(kMaxSamples), convexity_(kMaxSamples) {}
+    : config_(config),
+      samples_(kMaxSamples),
+      x_(kMaxSamples + 2 * kMaxArm),
+      y_(kMaxSamples + 2 * kMaxArm),
+      convexity_(kMaxSamples) {}
 
 void CurvatureFinder::find(const Contour& contour, float palm_radius) noexcept {
   constexpr int kScales = 4;
@@ -28,21 +45,17 @@ void CurvatureFinder::find(const Contour& contour, float palm_radius) noexcept {
   spacing_ = contour.perimeter() / static_cast<float>(n);
   const auto wrap = [n](int i) { return i < 0 ? i + n : i >= n ? i - n : i; };
 
-  std::array<int, kScales> arms;
-  for (int s = 0; s < kScales; ++s) {
-    const double arm = config_.min_arm + (config_.max_arm - config_.min_arm) * s / (kScales - 1);
-    arms[s] = std::clamp(static_cast<int>(arm * palm_radius / spacing_ + 0.5), 2, n / 4);
+  const int reach_of_arms = std::max(2, n / 4);
+  for (int i = -reach_of_arms; i < n + reach_of_arms; ++i) {
+    x_[kMaxArm + i] = samples_[wrap(i)].x();
+    y_[kMaxArm + i] = samples_[wrap(i)].y();
   }
-  for (int i = 0; i < n; ++i) {
-    float sum = 0;
-    for (const int arm : arms) {
-      const Eigen::Vector2f a = samples_[wrap(i - arm)] - samples_[i];
-      const Eigen::Vector2f b = samples_[wrap(i + arm)] - samples_[i];
-      const float cosine = a.dot(b) / std::sqrt(a.squaredNorm() * b.squaredNorm() + 1e-6f);
-      // (-a) x b > 0: the contour turns clockwise, outwards.
-      sum += cross(b, a) > 0 ? cosine : -1.0f;
-    }
-    convexity_[i] = sum / kScales;
+  std::fill_n(convexity_.begin(), n, 0.0f);
+  for (int s = 0; s < kScales; ++s) {
+    const double length = config_.min_arm + (config_.max_arm - config_.min_arm) * s / (kScales - 1);
+    const int arm = std::clamp(static_cast<int>(length * palm_radius / spacing_ + 0.5), 2, n / 4);
+    add_convexity(x_.data() + kMaxArm, y_.data() + kMaxArm, n, arm, 1.0f / kScales,
+                  convexity_.data());
   }
   // Strongest first within half a palm radius along the contour.
   const int reach = std::max(2, static_cast<int>(0.5f * palm_radius / spacing_));

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kMaxRuns = 1 << 15;  // a region of noise has more; it is no hand
 constexpr int kMaxRadius = 8;
+constexpr int kDeepestAcross = 64;  // resolution of deepest(): at least this, less than twice this
 constexpr int kEdgeRatio = 16;  // what a step of one level beyond the first counts against a hand
 
 /// Largest difference of a channel, in levels.
@@ -26,7 +27,7 @@ void RegionFinder::reserve(int max_pixels, int max_side) {
   runs_.resize(std::min(kMaxRuns, max_pixels / 2 + max_side));
   for (auto& row : rows_) row.resize(max_side);
   for (auto* flags : {&flags_, &colored_flags_}) flags->resize(max_side + 64);
-  distance_.resize(130 * 130);  // deepest() reduces to at most 128 x 128
+  distance_.resize((2 * kDeepestAcross + 2) * (2 * kDeepestAcross + 2));
 }
 
 void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> ratios,
@@ -201,42 +202,44 @@ void RegionFinder::keep_only(const Component& component) noexcept {
 }
 
 Disc RegionFinder::deepest(const Component& c) noexcept {
-  // Chamfer 3-4 distance at a resolution at which the box is about 64 pixels across.
+  // Chamfer 3-4 distance at reduced resolution.
   const int box = std::max(c.u1 - c.u0, c.v1 - c.v0) + 1;
-  const int step = std::max(1, box / 64);
+  const int step = std::max(1, box / kDeepestAcross);
   const int w = (c.u1 - c.u0) / step + 1, h = (c.v1 - c.v0) / step + 1, stride = w + 2;
-  std::uint16_t* d = distance_.data();
+  constexpr std::int16_t kFar = 1 << 14;
+  std::int16_t* d = distance_.data();
   std::fill(d, d + static_cast<std::ptrdiff_t>(stride) * (h + 2), 0);
   // Other components may reach into the box: only this one's runs count. Its label is its first.
   for (int i = c.label; i < run_count_ && runs_[i].v <= c.v1; ++i) {
     const Run& r = runs_[i];
     if ((r.v - c.v0) % step != 0 || r.label != c.label) continue;
     const int first = (r.u0 - c.u0 + step - 1) / step, last = (r.u1 - 1 - c.u0) / step;
-    std::uint16_t* row = d + ((r.v - c.v0) / step + 1) * stride + 1;
-    for (int u = first; u <= last; ++u) row[u] = 1;
+    std::int16_t* row = d + ((r.v - c.v0) / step + 1) * stride + 1;
+    for (int u = first; u <= last; ++u) row[u] = kFar;
   }
-  for (int v = 0; v < h; ++v) {
-    std::uint16_t* at = d + (v + 1) * stride + 1;
-    for (int u = 0; u < w; ++u, ++at) {
-      if (*at == 0) continue;
-      const int nearest =
-          std::min({at[-1] + 3, at[-stride] + 3, at[-stride - 1] + 4, at[-stride + 1] + 4});
-      *at = static_cast<std::uint16_t>(nearest);
+  // What comes from the row before is the same for all pixels; along the row one follows another.
+  const auto from_row = [w](const std::int16_t* __restrict row, std::int16_t* __restrict at) {
+    for (int u = 0; u < w; ++u) {
+      const int nearest = std::min(row[u] + 3, std::min(row[u - 1], row[u + 1]) + 4);
+      at[u] = static_cast<std::int16_t>(std::min<int>(at[u], nearest));
     }
+  };
+  for (int v = 0; v < h; ++v) {
+    std::int16_t* at = d + (v + 1) * stride + 1;
+    from_row(at - stride, at);
+    for (int u = 0, last = 0; u < w; ++u)
+      at[u] = static_cast<std::int16_t>(last = std::min<int>(at[u], last + 3));
   }
   Disc best;
   int deepest = 0;
   for (int v = h - 1; v >= 0; --v) {
-    std::uint16_t* at = d + (v + 1) * stride + w;
-    for (int u = w - 1; u >= 0; --u, --at) {
-      if (*at == 0) continue;
-      const int nearest =
-          std::min({at[1] + 3, at[stride] + 3, at[stride + 1] + 4, at[stride - 1] + 4});
-      *at = static_cast<std::uint16_t>(std::min<int>(*at, nearest));
-      if (*at > deepest) {
-        deepest = *at;
-        best.center = Eigen::Vector2f(c.u0 + u * step, c.v0 + v * step);
-      }
+    std::int16_t* at = d + (v + 1) * stride + 1;
+    from_row(at + stride, at);
+    for (int u = w - 1, last = 0; u >= 0; --u) {
+      at[u] = static_cast<std::int16_t>(last = std::min<int>(at[u], last + 3));
+      if (last <= deepest) continue;
+      deepest = last;
+      best.center = Eigen::Vector2f(c.u0 + u * step, c.v0 + v * step);
     }
   }
   best.radius = deepest / 3.0f * step;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace handyar {
 namespace {
@@ -14,6 +15,17 @@ constexpr int kPatchColumns = 10, kPatchRows = 8, kTriedPatches = 24;
 int coarse(int bin) { return (bin >> 11) << 8 | ((bin >> 6) & 15) << 4 | ((bin >> 1) & 15); }
 
 std::int8_t clamp8(double x) { return static_cast<std::int8_t>(std::clamp(x, -127.0, 127.0)); }
+
+// Bounds that a hand of five spread fingers keeps with a wide margin; they spare most regions a
+// closer look. Lobed: the squared length of the boundary over that of a disc of the same area.
+constexpr float kLeastLobed = 3.5f, kMostLobed = 45;
+constexpr float kLeastPalm = 6.7f;  // pixels: fingers of three, as thin as remove_thin(1) leaves
+
+bool may_be_hand(const Component& c, const Contour& contour) {
+  const float lobed =
+      contour.perimeter() * contour.perimeter() / (4 * std::numbers::pi_v<float> * c.area);
+  return lobed > kLeastLobed && lobed < kMostLobed;
+}
 
 /// Bit k of word i becomes bit i of word k.
 void transpose(std::uint32_t* words) {
@@ -219,11 +231,12 @@ bool HandSearch::try_mask(int mask, HandShape& best, Component& best_component) 
   const int pixels = masks_[mask].width * masks_[mask].height;
   bool found = false;
   for (const Component& c : components_of(mask)) {
-    if (c.area > 0.7 * pixels || !contour_.trace(region_.mask(), c)) continue;
+    if (c.area > 0.7 * pixels || !contour_.trace(region_.mask(), c) || !may_be_hand(c, contour_))
+      continue;
     const Disc disc = region_.deepest(c);
     // The deepest point may lie in a forearm or in something that hangs together with the hand.
     for (const float scale : {1.0f, 0.6f}) {
-      if (disc.radius * scale < 5) continue;
+      if (disc.radius * scale < kLeastPalm) continue;
       curvature_.find(contour_, disc.radius * scale);
       HandShape shape;
       if (!find_hand_shape(curvature_, contour_, region_.mask(), disc.radius * scale, shape_model_,

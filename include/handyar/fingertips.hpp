@@ -61,7 +61,9 @@ class CurvatureFinder {
 
  private:
   FingertipConfig config_;
+  static constexpr int kMaxArm = kMaxSamples / 4;
   std::vector<Eigen::Vector2f> samples_;
+  std::vector<float> x_, y_;  ///< of the samples, wrapped around by kMaxArm at both ends
   std::vector<float> convexity_;
   int sample_count_ = 0;
   float spacing_ = 1;

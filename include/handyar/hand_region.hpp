@@ -97,7 +97,7 @@ class RegionFinder {
   int run_count_ = 0;
   Component components_[kMaxComponents];
   int component_count_ = 0;
-  std::vector<std::uint16_t> distance_;
+  std::vector<std::int16_t> distance_;
 };
 
 }  // namespace handyar
