@@ -101,7 +101,7 @@ void search_whole_frame(benchmark::State& state) {
   search.reserve(bins.width * bins.height);
   const SkinModel skin;
   HandShape shape;
-  for (auto _ : state) benchmark::DoNotOptimize(search.find(bins, ColorSpace::rgb, skin, shape));
+  for (auto _ : state) benchmark::DoNotOptimize(search.find(bins, skin, shape));
 }
 
 void trace_contour(benchmark::State& state) {

@@ -10,10 +10,6 @@ struct Color {
   int a, b, c;  // RGB or YCbCr, 0..255 (times the number of pixels summed)
 };
 
-ColorBin bin(const Color& p) {
-  return static_cast<ColorBin>((p.a >> 3) << 10 | (p.b >> 3) << 5 | (p.c >> 3));
-}
-
 /// Reads pixel x of a row of interleaved channels, `R`, `G`, `B` being the bytes' places.
 template <int kBytes, int R, int G, int B>
 struct InterleavedRow {
@@ -23,6 +19,7 @@ struct InterleavedRow {
     const std::uint8_t* p = row + x * kBytes;
     return {p[R], p[G], p[B]};
   }
+  static ColorBin bin(const Color& p) { return bin_of_rgb(p.a, p.b, p.c); }
 };
 
 struct YuyvRow {
@@ -32,6 +29,7 @@ struct YuyvRow {
     const std::uint8_t* pair = row + (x & ~1) * 2;
     return {row[x * 2], pair[1], pair[3]};
   }
+  static ColorBin bin(const Color& p) { return bin_of_ycbcr(p.a, p.b, p.c); }
 };
 
 struct Nv12Row {
@@ -42,6 +40,7 @@ struct Nv12Row {
     const std::uint8_t* pair = chroma + (x & ~1);
     return {luma[x], pair[0], pair[1]};
   }
+  static ColorBin bin(const Color& p) { return bin_of_ycbcr(p.a, p.b, p.c); }
 };
 
 template <class Row>
@@ -52,32 +51,28 @@ void read_rows(const ImageView& frame, BinImage& out) {
     const int y = out.y0_px + v * step;
     const Row top(frame, y);
     if (step == 1) {
-      for (int u = 0; u < out.width; ++u) *to++ = bin(top(out.x0_px + u));
+      for (int u = 0; u < out.width; ++u) *to++ = Row::bin(top(out.x0_px + u));
       continue;
     }
     const Row bottom(frame, y + half);
     for (int u = 0; u < out.width; ++u) {
       const int x = out.x0_px + u * step;
       const Color p = top(x), q = top(x + half), r = bottom(x), s = bottom(x + half);
-      *to++ = bin({(p.a + q.a + r.a + s.a) >> 2, (p.b + q.b + r.b + s.b) >> 2,
-                   (p.c + q.c + r.c + s.c) >> 2});
+      *to++ = Row::bin({(p.a + q.a + r.a + s.a) >> 2, (p.b + q.b + r.b + s.b) >> 2,
+                        (p.c + q.c + r.c + s.c) >> 2});
     }
   }
 }
 
 }  // namespace
 
-ColorSpace color_space(PixelFormat format) noexcept {
-  return format == PixelFormat::yuyv || format == PixelFormat::nv12 ? ColorSpace::ycbcr
-                                                                    : ColorSpace::rgb;
-}
-
-Eigen::Vector3d rgb_of(ColorBin bin, ColorSpace space) noexcept {
-  const auto centre = [](int level) { return level * 8 + 4.0; };
-  const Eigen::Vector3d p(centre(bin >> 10), centre((bin >> 5) & 31), centre(bin & 31));
-  if (space == ColorSpace::rgb) return p;
-  const double y = (p[0] - 16) * 255 / 219;
-  const double cb = (p[1] - 128) * 255 / 224, cr = (p[2] - 128) * 255 / 224;
+Eigen::Vector3d rgb_of(ColorBin bin) noexcept {
+  const auto chroma = [](int level) {
+    return level < kFineChroma     ? 32 * level - 120.0
+           : level < kCoarseChroma ? 2 * level - 15.0
+                                   : 32 * level - 840.0;
+  };
+  const double y = (bin >> 10) * 8 + 4.0, cb = -chroma(bin >> 5 & 31), cr = chroma(bin & 31);
   return {y + 1.402 * cr, y - 0.344136 * cb - 0.714136 * cr, y + 1.772 * cb};
 }
 

@@ -14,10 +14,11 @@ constexpr int kMaxRadius = 8;
 constexpr int kDeepestAcross = 64;  // resolution of deepest(): at least this, less than twice this
 constexpr int kEdgeRatio = 16;  // what a step of one level beyond the first counts against a hand
 
-/// Largest difference of a channel, in levels.
+/// Difference of two colours in levels of luma; two of chroma count as one.
 int color_step(ColorBin p, ColorBin q) {
-  return std::max({std::abs((p >> 10) - (q >> 10)), std::abs((p >> 5 & 31) - (q >> 5 & 31)),
-                   std::abs((p & 31) - (q & 31))});
+  const int chroma =
+      std::max(std::abs((p >> 5 & 31) - (q >> 5 & 31)), std::abs((p & 31) - (q & 31)));
+  return std::max(std::abs((p >> 10) - (q >> 10)), chroma / 2);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
   if (!fixed_channels_ready_) {
     fixed_channels_ready_ = true;
     for (int i = 0; i < kBinCount; ++i) {
-      const Eigen::Vector3d rgb = rgb_of(static_cast<ColorBin>(i), space_);
+      const Eigen::Vector3d rgb = rgb_of(static_cast<ColorBin>(i));
       luma_[i] = clamp8(0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2] - 128);
       red_[i] = clamp8(rgb[0] - rgb[1]);
       blue_[i] = clamp8(rgb[2] - 0.5 * (rgb[0] + rgb[1]));
@@ -251,12 +251,7 @@ bool HandSearch::try_mask(int mask, HandShape& best, Component& best_component) 
   return found;
 }
 
-bool HandSearch::find(const BinImage& image, ColorSpace space, const SkinModel& skin,
-                      HandShape& shape) noexcept {
-  if (space != space_) {
-    space_ = space;
-    fixed_channels_ready_ = false;
-  }
+bool HandSearch::find(const BinImage& image, const SkinModel& skin, HandShape& shape) noexcept {
   read_scene(image, skin);
   list_readings(image);
   // What was learned comes first in every frame; the other readings take turns.
@@ -274,6 +269,7 @@ bool HandSearch::find(const BinImage& image, ColorSpace space, const SkinModel& 
   for (int k = 0; k <= turns; ++k)
     if (try_mask(k, shape, component)) winner = k;
   if (winner < 0) return false;
+  found_by_skin_ = winner == 0;
   for (const Component& c : components_of(winner))
     if (c.label == component.label) component = c;
   region_.keep_only(component);

@@ -17,15 +17,6 @@ constexpr float kMinProbability = 1e-7f;  // below this a bin says nothing: too 
 constexpr int kPersonalPasses = 4;     // of smoothing: a standard deviation of 1.4 bins a channel
 constexpr float kGeneralShare = 0.6f;  // of the general prior in a bare hand's personal one
 
-/// The RGB bin in which a bin's centre lies, or -1 outside the gamut.
-int rgb_bin_of(int bin, ColorSpace space) {
-  const Eigen::Vector3d rgb = rgb_of(static_cast<ColorBin>(bin), space);
-  constexpr double kSlack = 12;  // a bin is 8 wide: its centre may lie just outside
-  if (rgb.minCoeff() < -kSlack || rgb.maxCoeff() > 255 + kSlack) return -1;
-  const auto level = [](double c) { return std::clamp(static_cast<int>(c), 0, 255) >> 3; };
-  return level(rgb[0]) << 10 | level(rgb[1]) << 5 | level(rgb[2]);
-}
-
 /// A personal prior in the form of the prior's table. As far as the colours are skin in general, a
 /// part is left to the general prior: its wide flanks hold the shadows and edges of a bare hand,
 /// without which fingertips come out short. Of a glove it knows nothing.
@@ -33,8 +24,8 @@ std::vector<std::uint8_t> prior_of(const SkinColors& colors) {
   std::vector<float> share(kBinCount), scratch(kBinCount), smooth(kBinCount);
   float skin = 0;  // share of the colours that are rather skin than not
   for (const SkinColors::Entry& e : colors.entries) {
-    share[e.rgb_bin] += e.share;
-    if (kPriorTable[e.rgb_bin] < kPriorTable[kBinCount + e.rgb_bin]) skin += e.share;
+    share[e.bin] += e.share;
+    if (kPriorTable[e.bin] < kPriorTable[kBinCount + e.bin]) skin += e.share;
   }
   for (int pass = 0; pass < kPersonalPasses; ++pass) {
     smooth_histogram(share, scratch, smooth);
@@ -66,23 +57,23 @@ BinRows smooth_histogram(std::span<const float> count, std::span<float> scratch,
   static constexpr float kEmpty[kBinLevels] = {};
   constexpr int kRows = kBinCount / kBinLevels;
   BinRows filled, next;
-  // Channel by channel; the outermost levels keep what would fall outside.
+  // Channel by channel; the outermost levels keep what would fall outside. Coarse levels of chroma
+  // are wide enough.
   for (int r = 0; r < kRows; ++r) {
     const float* p = count.data() + r * kBinLevels;
     float* q = out.data() + r * kBinLevels;
     filled[r] = std::any_of(p, p + kBinLevels, [](float c) { return c != 0; });
     if (!filled[r]) continue;
-    q[0] = 0.25f * p[0] + 0.5f * p[0] + 0.25f * p[1];
-    for (int k = 1; k < kBinLevels - 1; ++k)
-      q[k] = 0.25f * p[k - 1] + 0.5f * p[k] + 0.25f * p[k + 1];
-    q[kBinLevels - 1] =
-        0.25f * p[kBinLevels - 2] + 0.5f * p[kBinLevels - 1] + 0.25f * p[kBinLevels - 1];
+    std::copy_n(p, kBinLevels, q);
+    for (int k = kFineChroma; k < kCoarseChroma; ++k)
+      q[k] = 0.25f * p[std::max(k - 1, kFineChroma)] + 0.5f * p[k] +
+             0.25f * p[std::min(k + 1, kCoarseChroma - 1)];
   }
-  const auto pass = [&](const float* from, float* to, int stride) {
+  const auto pass = [&](const float* from, float* to, int stride, int lowest, int highest) {
     for (int r = 0; r < kRows; ++r) {
       const int level = r / stride % kBinLevels;
-      const int below = level > 0 ? r - stride : r;
-      const int above = level < kBinLevels - 1 ? r + stride : r;
+      const int below = level > lowest && level <= highest ? r - stride : r;
+      const int above = level >= lowest && level < highest ? r + stride : r;
       float* __restrict q = to + r * kBinLevels;
       next[r] = filled[below] || filled[r] || filled[above];
       if (!next[r]) {
@@ -95,15 +86,13 @@ BinRows smooth_histogram(std::span<const float> count, std::span<float> scratch,
     }
     filled = next;
   };
-  pass(out.data(), scratch.data(), 1);
-  pass(scratch.data(), out.data(), kBinLevels);
+  pass(out.data(), scratch.data(), 1, kFineChroma, kCoarseChroma - 1);
+  pass(scratch.data(), out.data(), kBinLevels, 0, kBinLevels - 1);
   return filled;
 }
 
 SkinModel::SkinModel(const SkinModelConfig& config)
     : config_(config),
-      prior_skin_(kBinCount),
-      prior_other_(kBinCount),
       prior_skin_probability_(kBinCount),
       prior_other_probability_(kBinCount),
       hand_smooth_(kBinCount),
@@ -111,33 +100,33 @@ SkinModel::SkinModel(const SkinModelConfig& config)
       scratch_(kBinCount) {
   for (Histogram* h : {&learned_.hand_, &learned_.background_}) h->count.resize(kBinCount);
   if (!config.personal.empty()) personal_ = prior_of(config.personal);
-  reset(ColorSpace::rgb);
+  for (int i = 0; i < kBinCount; ++i) {
+    prior_skin_probability_[i] = std::exp(-prior_skin()[i] / 8.0f);
+    prior_other_probability_[i] = std::exp(-prior_other()[i] / 8.0f);
+  }
+  reset();
 }
 
-void SkinModel::reset(ColorSpace space) noexcept {
-  space_ = space;
-  const std::uint8_t* skin = personal_.empty() ? kPriorTable : personal_.data();
-  float skin_total = 0, other_total = 0;
-  for (int i = 0; i < kBinCount; ++i) {
-    const int from = rgb_bin_of(i, space);
-    prior_skin_[i] = from < 0 ? 255 : skin[from];
-    prior_other_[i] = from < 0 ? 255 : kPriorTable[kBinCount + from];
-    skin_total += prior_skin_probability_[i] = std::exp(-prior_skin_[i] / 8.0f);
-    other_total += prior_other_probability_[i] = std::exp(-prior_other_[i] / 8.0f);
-  }
-  // Bins of YCbCr are not a partition of RGB's: probabilities must add up to one again.
-  for (int i = 0; i < kBinCount; ++i) {
-    prior_skin_probability_[i] /= skin_total;
-    prior_other_probability_[i] /= other_total;
-  }
+std::span<const std::uint8_t> SkinModel::prior_skin() const noexcept {
+  if (!personal_.empty()) return personal_;
+  return std::span(kPriorTable).first(kBinCount);
+}
+
+std::span<const std::uint8_t> SkinModel::prior_other() const noexcept {
+  return std::span(kPriorTable).last(kBinCount);
+}
+
+void SkinModel::reset() noexcept {
   for (Histogram* h : {&learned_.hand_, &learned_.background_}) {
     std::ranges::fill(h->count, 0.0f);
     h->total = 0;
   }
-  learned_.frames_ = 0;
+  learned_.frames_ = learned_.widening_ = 0;
   hand_prior_ = background_prior_ = 0;
   rebuild();
 }
+
+void SkinModel::widen() noexcept { learned_.widening_ = config_.widening; }
 
 void SkinModel::accumulate(Histogram& h, std::span<const ColorBin> bins) noexcept {
   const float keep = 1.0f - 1.0f / static_cast<float>(std::max(config_.learn_frames, 1));
@@ -153,6 +142,7 @@ void SkinModel::learn(std::span<const ColorBin> hand,
   accumulate(learned_.background_, background);
   ++learned_.frames_;
   rebuild();
+  if (learned_.widening_ > 0) --learned_.widening_;
 }
 
 void SkinModel::keep(Learned& kept) const { kept = learned_; }
@@ -161,19 +151,13 @@ void SkinModel::restore(const Learned& kept) noexcept {
   if (kept.version_ != learned_.version_) learned_ = kept;
 }
 
-SkinColors SkinModel::colors_of(const Learned& learned) const {
-  if (learned.frames_ == 0) return {};
+SkinColors SkinModel::colors_of(const Learned& learned) {
   SkinColors colors;
-  std::vector<float> rgb(kBinCount);
-  float total = 0;
-  for (int i = 0; i < kBinCount; ++i) {
-    const int to = learned.hand_.count[i] > 0 ? rgb_bin_of(i, space_) : -1;
-    if (to < 0) continue;
-    rgb[to] += learned.hand_.count[i];
-    total += learned.hand_.count[i];
-  }
+  if (learned.frames_ == 0) return colors;
+  const Histogram& hand = learned.hand_;
   for (int i = 0; i < kBinCount; ++i)
-    if (rgb[i] > 0) colors.entries.push_back({static_cast<ColorBin>(i), rgb[i] / total});
+    if (hand.count[i] > 0)
+      colors.entries.push_back({static_cast<ColorBin>(i), hand.count[i] / hand.total});
   return colors;
 }
 
@@ -192,7 +176,11 @@ void SkinModel::rebuild() noexcept {
     part.scale = (1 - part.prior) / h.total;
     return part;
   };
-  const Part hand = smooth(learned_.hand_, config_.hand_prior_weight, hand_smooth_);
+  Part hand = smooth(learned_.hand_, config_.hand_prior_weight, hand_smooth_);
+  for (int k = 0; k < learned_.widening_; ++k) {
+    hand_smooth_.swap(background_smooth_);  // which comes after
+    hand.rows = smooth_histogram(background_smooth_, scratch_, hand_smooth_);
+  }
   const Part background =
       smooth(learned_.background_, config_.background_prior_weight, background_smooth_);
   const auto mix = [&](int row, const float* hand_count, const float* background_count,

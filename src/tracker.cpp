@@ -74,7 +74,6 @@ struct HandTracker::Impl {
   Layout measured_layout;
   HandModel hands[2];  // one per layout
   int width_px = 0, height_px = 0;
-  ColorSpace space = ColorSpace::rgb;
 
   SkinModel skin;
   SkinModel::Learned trusted_skin;  // as it was when the hand was last tracked
@@ -113,7 +112,7 @@ struct HandTracker::Impl {
 };
 
 void HandTracker::Impl::forget() noexcept {
-  skin.reset(space);
+  skin.reset();
   skin.keep(trusted_skin);
   search.reset();
   filter.reset();
@@ -127,11 +126,9 @@ void HandTracker::Impl::forget() noexcept {
 }
 
 void HandTracker::Impl::prepare(const ImageView& frame) {
-  const ColorSpace frame_space = color_space(frame.format);
-  if (frame.width_px == width_px && frame.height_px == height_px && frame_space == space) return;
+  if (frame.width_px == width_px && frame.height_px == height_px) return;
   width_px = frame.width_px;
   height_px = frame.height_px;
-  space = frame_space;
   camera = calibrated_camera.scaled_to(width_px, height_px);
   const int pixels = width_px * height_px;
   bins.bins.resize(pixels);
@@ -152,7 +149,7 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   const int step = (longer + config.search.longer_side / 2) / config.search.longer_side;
   read_bins(frame, {0, 0, width_px, height_px}, std::max(step, 2), search_bins);
   HandShape coarse;
-  if (!search.find(search_bins, space, skin, coarse)) return false;
+  if (!search.find(search_bins, skin, coarse)) return false;
   const HandShape candidate =
       coarse.transformed(static_cast<float>(search_bins.step_px), search_bins.origin_px());
   if (following) {
@@ -166,7 +163,12 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   acquired_deviation = candidate.deviation;
   velocity_px_s.setZero();
   following = false;
-  skin.restore(trusted_skin);
+  // Found by another reading, the hand is in a light that what was learned does not tell about.
+  if (search.found_by_skin())
+    skin.restore(trusted_skin);
+  else
+    skin.reset();
+  skin.widen();
   learn(search_bins, search.region().mask(), coarse);
   return true;
 }

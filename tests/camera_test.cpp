@@ -43,7 +43,8 @@ TEST(Camera, JacobianAgreesWithCentralDifferences) {
 }
 
 TEST(Camera, FieldOfViewSpansTheLongerSide) {
-  const Camera landscape = Camera::from_field_of_view(640, 480), portrait = Camera::from_field_of_view(480, 640);
+  const Camera landscape = Camera::from_field_of_view(640, 480),
+               portrait = Camera::from_field_of_view(480, 640);
   EXPECT_NEAR(landscape.fx_px, 320 / std::tan(M_PI / 6), 1e-9);
   EXPECT_NEAR(portrait.fy_px, landscape.fx_px, 1e-9);
   EXPECT_TRUE(landscape.assumed);

@@ -90,23 +90,25 @@ BinImage read(const ImageView& view, int step) {
   return read(view, {0, 0, view.width_px, view.height_px}, step);
 }
 
-ColorBin bin_of(int a, int b, int c) {
-  return static_cast<ColorBin>(a / 8 * 1024 + b / 8 * 32 + c / 8);
+bool is_ycbcr(PixelFormat format) {
+  return format == PixelFormat::yuyv || format == PixelFormat::nv12;
+}
+
+ColorBin bin_of(const std::array<int, 3>& c, PixelFormat format) {
+  return is_ycbcr(format) ? bin_of_ycbcr(c[0], c[1], c[2]) : bin_of_rgb(c[0], c[1], c[2]);
 }
 
 /// Bin of the mean colour of the 2x2 pixels from (x, y).
-ColorBin mean_bin(const Colors& c, int x, int y) {
-  std::array<int, 3> sum{};
+ColorBin mean_bin(const Colors& c, int x, int y, PixelFormat format) {
+  std::array<int, 3> mean{};
   for (const int k : {0, 1, 2})
-    sum[k] = (c(x, y)[k] + c(x + 1, y)[k] + c(x, y + 1)[k] + c(x + 1, y + 1)[k]) / 4;
-  return bin_of(sum[0], sum[1], sum[2]);
+    mean[k] = (c(x, y)[k] + c(x + 1, y)[k] + c(x, y + 1)[k] + c(x + 1, y + 1)[k]) / 4;
+  return bin_of(mean, format);
 }
 
 class ColorBinsOfFormat : public testing::TestWithParam<PixelFormat> {
  protected:
-  Colors colors() const {
-    return random_colors(38, 26, "ColorBins", color_space(GetParam()) == ColorSpace::ycbcr);
-  }
+  Colors colors() const { return random_colors(38, 26, "ColorBins", is_ycbcr(GetParam())); }
 };
 
 TEST_P(ColorBinsOfFormat, EveryPixelItsColourWhateverTheStride) {
@@ -119,8 +121,7 @@ TEST_P(ColorBinsOfFormat, EveryPixelItsColourWhateverTheStride) {
       ASSERT_EQ(image.height, c.height);
       for (int y = 0; y < c.height; ++y)
         for (int x = 0; x < c.width; ++x) {
-          const auto& [a, b, d] = c(x, y);
-          ASSERT_EQ(image.bins[y * c.width + x], bin_of(a, b, d))
+          ASSERT_EQ(image.bins[y * c.width + x], bin_of(c(x, y), GetParam()))
               << x << " " << y << " padding " << padding << " bottom_up " << bottom_up;
         }
     }
@@ -134,7 +135,7 @@ TEST_P(ColorBinsOfFormat, HalfSizeIsTheMeanOfFourPixels) {
   ASSERT_EQ(image.height, 5);
   for (int v = 0; v < image.height; ++v)
     for (int u = 0; u < image.width; ++u)
-      ASSERT_EQ(image.bins[v * image.width + u], mean_bin(c, 6 + 2 * u, 4 + 2 * v));
+      ASSERT_EQ(image.bins[v * image.width + u], mean_bin(c, 6 + 2 * u, 4 + 2 * v, GetParam()));
 }
 
 TEST_P(ColorBinsOfFormat, AThirdOfTheSizeStaysWithinTheBlocks) {
@@ -148,8 +149,8 @@ TEST_P(ColorBinsOfFormat, AThirdOfTheSizeStaysWithinTheBlocks) {
   ASSERT_EQ(image.height, 8);
   for (int v = 0; v < image.height; ++v)
     for (int u = 0; u < image.width; ++u) {
-      const auto& [a, b, d] = c(3 * u, 3 * v);
-      ASSERT_EQ(image.bins[v * image.width + u], bin_of(a, b, d)) << u << " " << v;
+      ASSERT_EQ(image.bins[v * image.width + u], bin_of(c(3 * u, 3 * v), GetParam()))
+          << u << " " << v;
     }
 }
 
@@ -194,27 +195,44 @@ TEST(ColorBins, CentresOfBinsInInputPixels) {
   EXPECT_EQ(image.y_px(2), 24.5);
 }
 
-TEST(ColorBins, RgbOfAYCbCrColourIsBt601InVideoRange) {
+TEST(ColorBins, ABinsCentreIsNearItsColours) {
+  std::mt19937 rng = random_for("ColorBins.ABinsCentreIsNearItsColours");
+  int fine = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::Vector3i c(rng() % 256, rng() % 256, rng() % 256);
+    const ColorBin bin = bin_of_rgb(c[0], c[1], c[2]);
+    const Eigen::Vector3d away = rgb_of(bin) - c.cast<double>();
+    const auto is_fine = [](int level) { return level >= 4 && level < 28; };
+    const bool both = is_fine(bin >> 5 & 31) && is_fine(bin & 31);
+    fine += both;
+    // Half a step of luma, and of the chromas by what they weigh in R, G and B.
+    const double chroma = both ? 1.1 : 16.1;
+    const Eigen::Vector3d limit(4.1 + 1.402 * chroma, 4.1 + 1.06 * chroma, 4.1 + 1.772 * chroma);
+    ASSERT_TRUE((away.array().abs() <= limit.array()).all()) << c.transpose();
+  }
+  EXPECT_GT(fine, 2000);
+  EXPECT_EQ(bin_of_rgb(0, 0, 0), 0 << 10 | 8 << 5 | 8);
+  EXPECT_EQ(bin_of_rgb(255, 255, 255), 31 << 10 | 8 << 5 | 8);
+}
+
+TEST(ColorBins, ShadesOfSkinThatDifferByLittleAreTold) {
+  // Redness of 18 and of 23, at the same luma: a hand before a wall of its colour.
+  EXPECT_NE(bin_of_rgb(170, 140, 120), bin_of_rgb(176, 137, 120));
+}
+
+TEST(ColorBins, AColourHasTheSameBinHoweverTheCameraCodesIt) {
   const struct {
     int y, cb, cr;
-    Eigen::Vector3d rgb;
+    Eigen::Vector3i rgb;
   } cases[] = {{235, 128, 128, {255, 255, 255}}, {16, 128, 128, {0, 0, 0}},
                {81, 90, 240, {255, 0, 0}},       {145, 54, 34, {0, 255, 0}},
-               {41, 240, 110, {0, 0, 255}},      {170, 108, 148, {211, 171, 139}}};
+               {41, 240, 110, {0, 0, 255}},      {170, 108, 148, {211, 171, 139}},
+               {86, 116, 141, {102, 74, 58}}};
   for (const auto& c : cases) {
-    const int level[] = {c.y / 8, c.cb / 8, c.cr / 8};
-    const Eigen::Vector3d at =
-        rgb_of(static_cast<ColorBin>(level[0] << 10 | level[1] << 5 | level[2]), ColorSpace::ycbcr);
-    // The colour lies up to half a bin from its centre: 4 times the row's sum of coefficients.
-    const Eigen::Vector3d limit(1.164 + 1.596, 1.164 + 0.392 + 0.813, 1.164 + 2.017);
-    EXPECT_TRUE(((at - c.rgb).array().abs() <= 4 * limit.array() + 1).all()) << at.transpose();
+    const int a = bin_of_ycbcr(c.y, c.cb, c.cr), b = bin_of_rgb(c.rgb[0], c.rgb[1], c.rgb[2]);
+    for (const int shift : {0, 5, 10})
+      EXPECT_LE(std::abs((a >> shift & 31) - (b >> shift & 31)), 1) << c.rgb.transpose();
   }
-  // The middle of the range, exactly: grey of luma 132 with both chromas at 132.
-  const Eigen::Vector3d grey = rgb_of(16 << 10 | 16 << 5 | 16, ColorSpace::ycbcr);
-  const double y = 116 * 255.0 / 219, chroma = 4 * 255.0 / 224;
-  EXPECT_TRUE(grey.isApprox(
-      Eigen::Vector3d(y + 1.402 * chroma, y - 1.05828 * chroma, y + 1.772 * chroma), 1e-5));
-  EXPECT_EQ(rgb_of(3 << 10 | 30 << 5 | 7, ColorSpace::rgb), Eigen::Vector3d(28, 244, 60));
 }
 
 TEST(ColorBins, GreyHasNone) {

@@ -39,7 +39,7 @@ struct LearnRun {
 class ColorCollector {
  public:
   void add(const SkinColors& colors) {
-    for (const SkinColors::Entry& e : colors.entries) sum_[e.rgb_bin] += e.share;
+    for (const SkinColors::Entry& e : colors.entries) sum_[e.bin] += e.share;
     ++frames_;
   }
   SkinColors colors() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,18 +11,40 @@
 
 namespace handyar {
 
-/// Colour, quantised to 5 bits a channel in the frame's own colour space: RGB for bgr, rgb, bgra
-/// and rgba, YCbCr for yuyv and nv12. The first channel (R or Y) holds the highest bits.
+/// Colour, quantised to 5 bits each of luma (the highest bits), yellowness and redness: Y, -Cb and
+/// Cr of BT.601 in full range. Luma goes in steps of 8. Chroma goes in steps of 2 from -8 to 40,
+/// where greys and skin of every tone lie, and in steps of 32 beyond: a hand and what looks like
+/// one differ by little.
 using ColorBin = std::uint16_t;
 inline constexpr int kBinLevels = 32;
 inline constexpr int kBinCount = kBinLevels * kBinLevels * kBinLevels;
+inline constexpr int kFineChroma = 4, kCoarseChroma = 28;  ///< the fine levels, from, to before
 
-enum class ColorSpace : std::uint8_t { rgb, ycbcr };
-ColorSpace color_space(PixelFormat format) noexcept;
+/// Bin of luma and chromas times 256.
+constexpr ColorBin color_bin(int luma256, int yellowness256, int redness256) noexcept {
+  const auto level = [](int chroma256) {
+    constexpr int kFrom = -8 * 256, kTo = 40 * 256;
+    return kFineChroma + std::clamp((chroma256 - kFrom) >> 9, 0, kCoarseChroma - kFineChroma) +
+           std::clamp((chroma256 - kFrom) >> 13, -kFineChroma, 0) +
+           std::clamp((chroma256 - kTo) >> 13, 0, kBinLevels - 1 - kCoarseChroma);
+  };
+  return static_cast<ColorBin>(std::clamp(luma256 >> 11, 0, 31) << 10 | level(yellowness256) << 5 |
+                               level(redness256));
+}
 
-/// RGB, 0..255, of a bin's centre. YCbCr is BT.601 in video range (luma 16..235, chroma 16..240),
-/// as cameras deliver it; what it can express beyond RGB comes out beyond 0..255.
-Eigen::Vector3d rgb_of(ColorBin bin, ColorSpace space) noexcept;
+/// Bin of a colour, 0..255.
+constexpr ColorBin bin_of_rgb(int r, int g, int b) noexcept {
+  return color_bin(77 * r + 150 * g + 29 * b, 43 * r + 85 * g - 128 * b,
+                   128 * r - 107 * g - 21 * b);
+}
+
+/// Bin of a colour as cameras deliver it: luma 16..235, chroma 16..240.
+constexpr ColorBin bin_of_ycbcr(int y, int cb, int cr) noexcept {
+  return color_bin(298 * (y - 16), 291 * (128 - cb), 291 * (cr - 128));
+}
+
+/// RGB of a bin's centre; of a bin that no colour falls into, beyond 0..255.
+Eigen::Vector3d rgb_of(ColorBin bin) noexcept;
 
 /// A rectangle of pixels: x0_px <= x < x0_px + width_px.
 struct PixelRect {

@@ -35,8 +35,10 @@ class HandSearch {
 
   /// True when a hand-like region was found. `shape` is then in pixels of `image`, and
   /// region().mask() holds its region alone.
-  bool find(const BinImage& image, ColorSpace space, const SkinModel& skin,
-            HandShape& shape) noexcept;
+  bool find(const BinImage& image, const SkinModel& skin, HandShape& shape) noexcept;
+
+  /// What was found was found by the colours that the skin model has learned.
+  bool found_by_skin() const noexcept { return found_by_skin_; }
 
   const RegionFinder& region() const noexcept { return region_; }
 
@@ -71,10 +73,10 @@ class HandSearch {
   std::array<bool, 4096> in_patch_{};
   std::array<Reading, 128> readings_;
   int reading_count_ = 0;
+  bool found_by_skin_ = false;
   int next_ = 0;                      ///< whose turn it is
   std::vector<std::uint32_t> marks_;  ///< of each bin, a bit for each of this frame's readings
   std::vector<Mask> masks_;
-  ColorSpace space_ = ColorSpace::rgb;
   bool fixed_channels_ready_ = false;
 };
 

@@ -10,11 +10,11 @@
 
 namespace handyar {
 
-/// The colours of one hand or glove: a distribution over RGB bins, whatever frames it was learned
-/// from. Takes the place of the general skin prior.
+/// The colours of one hand or glove: a distribution over bins. Takes the place of the general skin
+/// prior.
 struct SkinColors {
   struct Entry {
-    ColorBin rgb_bin = 0;
+    ColorBin bin = 0;
     float share = 0;
   };
   std::vector<Entry> entries;  ///< each bin once; shares are positive and add up to one
@@ -28,6 +28,7 @@ struct SkinModelConfig {
   /// colours that were seen on neither are rather background.
   double hand_prior_weight = 0.03;
   double background_prior_weight = 0.2;
+  int widening = 8;     ///< times that a newly found hand's colours are smoothed, see widen()
   SkinColors personal;  ///< this hand's colours, where known; empty: skin in general
 };
 
@@ -51,13 +52,18 @@ class SkinModel {
     Histogram hand_, background_;
     Ratios ratios_{};
     int frames_ = 0;
+    int widening_ = 0;
     std::uint32_t version_ = 0;  // no two that a model learned have the same
   };
 
   explicit SkinModel(const SkinModelConfig& config = {});
 
-  /// Back to the prior, for frames of the given colour space.
-  void reset(ColorSpace space) noexcept;
+  /// Back to the prior.
+  void reset() noexcept;
+
+  /// The colours of the hand that are learned next stand for a wider range around them, less so
+  /// with each frame: of a hand that was just found, in whatever light, few colours are known.
+  void widen() noexcept;
 
   /// Adds a frame in which the hand was verified: bins of pixels that surely show it, and of pixels
   /// around it that surely do not.
@@ -67,18 +73,18 @@ class SkinModel {
 
   /// Keeps what was learned so far in `kept`, which takes memory the first time.
   void keep(Learned& kept) const;
-  /// Back to what was kept since the last reset().
+  /// Back to what was kept.
   void restore(const Learned& kept) noexcept;
 
   /// Colours of the hand over the last frames; empty before anything was learned. Takes memory.
   SkinColors learned_colors() const { return colors_of(learned_); }
-  SkinColors colors_of(const Learned& learned) const;
+  static SkinColors colors_of(const Learned& learned);
 
   const Ratios& ratios() const noexcept { return learned_.ratios_; }
 
   /// -log probability in eighths of a nat of each bin under the prior alone, bin by bin.
-  std::span<const std::uint8_t> prior_skin() const noexcept { return prior_skin_; }
-  std::span<const std::uint8_t> prior_other() const noexcept { return prior_other_; }
+  std::span<const std::uint8_t> prior_skin() const noexcept;
+  std::span<const std::uint8_t> prior_other() const noexcept;
 
  private:
   using Histogram = Learned::Histogram;
@@ -86,9 +92,7 @@ class SkinModel {
   void rebuild() noexcept;
 
   SkinModelConfig config_;
-  ColorSpace space_ = ColorSpace::rgb;
-  std::vector<std::uint8_t> personal_;  // by RGB bin, as the prior's table; empty: none
-  std::vector<std::uint8_t> prior_skin_, prior_other_;
+  std::vector<std::uint8_t> personal_;  // a table like the prior's; empty: none
   std::vector<float> prior_skin_probability_, prior_other_probability_;
   Ratios unseen_{};  // of colours that were seen neither on the hand nor around it
   float hand_prior_ = 0, background_prior_ = 0;  // weights for which it was made

@@ -23,16 +23,13 @@ const Json& field(const Json& root, const char* key, std::string_view name) {
 SkinColors::Entry read_entry(const Json& row, const std::string& what, std::string_view name) {
   const auto fail = [&](const char* fault) { throw Error(name, what + fault); };
   if (!row.is_array() || row.size() != 4) fail(" is not [red, green, blue, share]");
-  int bin = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < 3; ++k)
     if (!row[k].is_number_integer() || row[k] < 0 || row[k] > 255)
       fail(": red, green and blue are whole numbers from 0 to 255");
-    bin = bin << 5 | row[k].get<int>() >> 3;
-  }
   if (!row[3].is_number()) fail(": share is not a number");
   const float share = row[3].get<float>();
   if (!(share > 0 && share <= kMaxShare)) fail(": share is not a positive number within reason");
-  return {static_cast<ColorBin>(bin), share};
+  return {bin_of_rgb(row[0].get<int>(), row[1].get<int>(), row[2].get<int>()), share};
 }
 
 SkinColors read_fields(const Json& root, std::string_view name) {
@@ -46,21 +43,18 @@ SkinColors read_fields(const Json& root, std::string_view name) {
   if (!rows.is_array() || rows.empty()) throw Error(name, "colors is not a list of colours");
   if (rows.size() > kBinCount) throw Error(name, "colors has more colours than can be told apart");
 
-  SkinColors colors;
-  std::vector<int> named_at(kBinCount);
+  std::vector<double> shares(kBinCount);
   double total = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::string what = "colors: number " + std::to_string(i + 1);
     const SkinColors::Entry e = read_entry(rows[i], what, name);
-    if (named_at[e.rgb_bin] != 0)
-      throw Error(name,
-                  what + " lies in the same bin as number " + std::to_string(named_at[e.rgb_bin]));
-    named_at[e.rgb_bin] = static_cast<int>(i) + 1;
+    shares[e.bin] += e.share;
     total += e.share;
-    colors.entries.push_back(e);
   }
-  for (SkinColors::Entry& e : colors.entries) e.share = static_cast<float>(e.share / total);
-  std::erase_if(colors.entries, [](const SkinColors::Entry& e) { return !(e.share > 0); });
+  SkinColors colors;
+  for (int bin = 0; bin < kBinCount; ++bin)
+    if (const float share = static_cast<float>(shares[bin] / total); share > 0)
+      colors.entries.push_back({static_cast<ColorBin>(bin), share});
   return colors;
 }
 
@@ -76,7 +70,8 @@ std::string format_skin(const SkinColors& colors) {
   std::string text = "{\"format\": \"handyar-skin\", \"version\": 1,\n \"colors\": [";
   const char* separator = "\n  [";  // a colour a line
   for (const SkinColors::Entry& e : colors.entries) {
-    const Eigen::Vector3i rgb = rgb_of(e.rgb_bin, ColorSpace::rgb).cast<int>();
+    const Eigen::Vector3i rgb =
+        rgb_of(e.bin).array().round().cwiseMax(0.0).cwiseMin(255.0).cast<int>();
     char share[32];  // to_chars: as short as can be read back, in every locale
     const char* end = std::to_chars(share, std::end(share), e.share).ptr;
     text += separator;

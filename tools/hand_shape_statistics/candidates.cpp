@@ -113,7 +113,7 @@ void run(const char* list) {
     HandShape before;
     for (int i = 0; i < kReadings; ++i) {
       HandShape shape;
-      if (!search.find(image, ColorSpace::rgb, skin, shape)) continue;
+      if (!search.find(image, skin, shape)) continue;
       if (i > 0 && shape.tips == before.tips) continue;  // the prior's, which is always tried too
       before = shape;
       print(a, image, shape);
