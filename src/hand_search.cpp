@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace handyar {
 namespace {
@@ -55,6 +56,7 @@ HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fi
       count_(kBinCount),
       scratch_(kBinCount),
       smooth_(kBinCount),
+      hand_smooth_(kBinCount),
       coarse_(kCoarseCount),
       patch_(kCoarseCount),
       patch_smooth_(kCoarseCount),
@@ -64,6 +66,7 @@ HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fi
 void HandSearch::reserve(int max_pixels, int max_side) {
   region_.reserve(max_pixels, max_side);
   for (Mask& mask : masks_) mask.reserve(max_pixels, max_side);
+  scratch_mask_.reserve(max_pixels, max_side);
   contour_.reserve(1 << 13);
 }
 
@@ -94,6 +97,22 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
     if (!seen_[row]) continue;
     for (int i = begin; i < end; ++i)
       scene_[i] = clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(smooth_[i] / total, 1e-6f)));
+  }
+}
+
+/// The learned hand against this scene, whatever it was learned before: how much more of a colour
+/// the hand has than the frame.
+void HandSearch::read_known(const BinImage& image, const SkinModel& skin) noexcept {
+  const auto count = skin.hand_count();
+  const float hand_total = std::accumulate(count.begin(), count.end(), 0.0f);
+  const float total = static_cast<float>(image.used().size());
+  const BinRows spread = smooth_histogram(count, scratch_, hand_smooth_);
+  for (int row = 0; row < static_cast<int>(seen_.size()); ++row) {
+    if (!seen_[row]) continue;
+    for (int i = row * kBinLevels; i < (row + 1) * kBinLevels; ++i) {
+      const float hand = spread[row] ? hand_smooth_[i] / hand_total : 0.0f;
+      known_[i] = clamp8(8 * std::log((hand + 1e-6f) / (smooth_[i] / total + 1e-6f)));
+    }
   }
 }
 
@@ -255,21 +274,27 @@ bool HandSearch::find(const BinImage& image, const SkinModel& skin, HandShape& s
   read_scene(image, skin);
   list_readings(image);
   // What was learned comes first in every frame; the other readings take turns.
-  const int turns = std::min({config_.readings_per_frame, reading_count_, kMaxAtOnce - 1});
   std::array<Reading, kMaxAtOnce> now;
-  now[0] = {&skin.ratios(), 0};
-  for (int k = 0; k < turns; ++k) now[k + 1] = readings_[(next_ + k) % reading_count_];
+  int learned = 0;
+  now[learned++] = {&skin.ratios(), 0};
+  if (skin.has_learned()) {
+    read_known(image, skin);
+    for (const int t : {0, 6, 12}) now[learned++] = {&known_, t};
+  }
+  const int turns = std::min({config_.readings_per_frame, reading_count_, kMaxAtOnce - learned});
+  for (int k = 0; k < turns; ++k) now[learned + k] = readings_[(next_ + k) % reading_count_];
   next_ = (next_ + turns) % reading_count_;
-  mark_bins(image, {now.data(), static_cast<std::size_t>(turns) + 1});
-  draw_masks(image, turns + 1);
+  mark_bins(image, {now.data(), static_cast<std::size_t>(learned + turns)});
+  draw_masks(image, learned + turns);
+  for (int k = 1; k < learned; ++k) majority(masks_[k], scratch_mask_);
 
   shape.deviation = static_cast<float>(shape_config_.max_deviation);
   Component component;
   int winner = -1;
-  for (int k = 0; k <= turns; ++k)
+  for (int k = 0; k < learned + turns; ++k)
     if (try_mask(k, shape, component)) winner = k;
   if (winner < 0) return false;
-  found_by_skin_ = winner == 0;
+  found_by_skin_ = winner < learned;
   for (const Component& c : components_of(winner))
     if (c.label == component.label) component = c;
   region_.keep_only(component);

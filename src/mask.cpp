@@ -115,6 +115,33 @@ void dilate(Mask& mask, int radius, Mask& scratch) noexcept {
   combine_square(mask, std::min(radius, kMaxDilation), scratch, std::bit_or<Word>());
 }
 
+void majority(Mask& mask, Mask& scratch) noexcept {
+  scratch.copy(mask);
+  const Word* const p = scratch.words.data();
+  const std::ptrdiff_t stride = mask.stride, end = stride * (mask.rows() - 1);
+  const auto most = [](Word a, Word b, Word c) { return (a & b) | (c & (a | b)); };
+  struct Count {  // of a pixel and its two neighbours in a row, 0 to 3
+    Word one, two;
+  };
+  const auto count = [&](std::ptrdiff_t i) -> Count {
+    const Word left = p[i] << 1 | p[i - 1] >> 63, right = p[i] >> 1 | p[i + 1] << 63;
+    return {left ^ p[i] ^ right, most(left, p[i], right)};
+  };
+  for (std::ptrdiff_t i = stride + 1; i < end - 1; ++i) {
+    if ((p[i] | p[i - stride] | p[i + stride]) == 0) {
+      mask.words[i] = 0;  // a pixel beyond the word's ends sees at most three
+      continue;
+    }
+    const Count a = count(i - stride), b = count(i), c = count(i + stride);
+    const Word one = a.one ^ b.one ^ c.one, carry = most(a.one, b.one, c.one);
+    const Word two = a.two ^ b.two ^ c.two, four = most(a.two, b.two, c.two);
+    // The count is one + 2 (two + carry) + 4 four: five or more when the two fours are both there,
+    // or one of them and any less.
+    const Word two_sum = two ^ carry, four_sum = two & carry;
+    mask.words[i] = (four & four_sum) | ((four ^ four_sum) & (two_sum | one));
+  }
+}
+
 void intersect(Mask& mask, const Mask& other) noexcept {
   const Word* __restrict from = other.words.data();
   Word* __restrict to = mask.words.data();

@@ -37,7 +37,8 @@ struct Linearised {
   Matrix6d H = Matrix6d::Zero();  ///< J' W J
   Vector6d g = Vector6d::Zero();  ///< J' W r
   Matrix6d N = Matrix6d::Zero();  ///< covariance of g from pixel noise
-  double cost = 0, chi2 = 0, sum_px2 = 0;
+  double cost = 0, chi2 = 0, tips_px2 = 0;
+  int tips = 0;
   std::array<Eigen::Matrix2d, kMaxPosePoints> information;  ///< of each residual, per px^2
 };
 
@@ -61,7 +62,10 @@ bool linearise(const PosePoints& points, const Camera& camera, double huber,
     out.N.noalias() += p.sigma_px * p.sigma_px * JtW * JtW.transpose();
     out.cost += huber_cost(s2, huber);
     out.chi2 += s2;
-    out.sum_px2 += r.squaredNorm();
+    if (p.finger >= 0) {
+      out.tips_px2 += r.squaredNorm();
+      ++out.tips;
+    }
     out.information[i] = information;
   }
   return std::isfinite(out.cost);
@@ -103,7 +107,7 @@ std::optional<FittedPose> fit_at(const PosePoints& points, const Camera& camera,
   fit.noise_covariance = fit.covariance * at.N * fit.covariance;
   fit.deviance = at.cost;
   fit.chi2 = at.chi2;
-  fit.rms_px = std::sqrt(at.sum_px2 / points.count);
+  fit.rms_px = std::sqrt(at.tips_px2 / std::max(at.tips, 1));
   return fit;
 }
 

@@ -126,6 +126,11 @@ void SkinModel::reset() noexcept {
   rebuild();
 }
 
+void SkinModel::forget_background() noexcept {
+  std::ranges::fill(learned_.background_.count, 0.0f);
+  learned_.background_.total = 0;
+}
+
 void SkinModel::widen() noexcept { learned_.widening_ = config_.widening; }
 
 void SkinModel::accumulate(Histogram& h, std::span<const ColorBin> bins) noexcept {

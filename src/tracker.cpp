@@ -168,6 +168,7 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
     skin.restore(trusted_skin);
   else
     skin.reset();
+  skin.forget_background();
   skin.widen();
   learn(search_bins, search.region().mask(), coarse);
   return true;

@@ -51,6 +51,7 @@ class HandSearch {
     bool below = false;  ///< the channel's negative: a hand may lie on either side of a threshold
     int patch = -1;      ///< not a channel but the colours of this patch
   };
+  void read_known(const BinImage& image, const SkinModel& skin) noexcept;
   void read_scene(const BinImage& image, const SkinModel& skin) noexcept;
   void list_readings(const BinImage& image) noexcept;
   void add_levels(const Channel& channel, int levels) noexcept;
@@ -66,8 +67,9 @@ class HandSearch {
   RegionFinder region_;
   Contour contour_;
   CurvatureFinder curvature_;
-  Channel prior_, scene_, luma_, red_, blue_;
+  Channel known_, prior_, scene_, luma_, red_, blue_;
   std::vector<float> count_, scratch_, smooth_;  ///< of the scene's colours
+  std::vector<float> hand_smooth_;               ///< of the learned hand's colours
   BinRows seen_{};                               ///< rows of bins that the scene has
   std::vector<float> coarse_, patch_, patch_smooth_;
   std::array<bool, 4096> in_patch_{};
@@ -77,6 +79,7 @@ class HandSearch {
   int next_ = 0;                      ///< whose turn it is
   std::vector<std::uint32_t> marks_;  ///< of each bin, a bit for each of this frame's readings
   std::vector<Mask> masks_;
+  Mask scratch_mask_;
   bool fixed_channels_ready_ = false;
 };
 

@@ -66,6 +66,10 @@ void erode(Mask& mask, int radius, Mask& scratch) noexcept;
 void dilate(Mask& mask, int radius, Mask& scratch) noexcept;
 inline constexpr int kMaxDilation = 9;
 
+/// Sets the pixels of which at least five of nine, themselves and their neighbours, are set, and
+/// clears the rest.
+void majority(Mask& mask, Mask& scratch) noexcept;
+
 /// Keeps what is set in both, which are of the same size.
 void intersect(Mask& mask, const Mask& other) noexcept;
 

@@ -69,6 +69,9 @@ class SkinModel {
   /// around it that surely do not.
   void learn(std::span<const ColorBin> hand, std::span<const ColorBin> background) noexcept;
 
+  /// Forgets what surrounded the hand: it is found anew, perhaps before something else.
+  void forget_background() noexcept;
+
   bool has_learned() const noexcept { return learned_.frames_ > 0; }
 
   /// Keeps what was learned so far in `kept`, which takes memory the first time.
@@ -79,6 +82,9 @@ class SkinModel {
   /// Colours of the hand over the last frames; empty before anything was learned. Takes memory.
   SkinColors learned_colors() const { return colors_of(learned_); }
   static SkinColors colors_of(const Learned& learned);
+
+  /// How often each bin was seen on the hand over the last frames.
+  std::span<const float> hand_count() const noexcept { return learned_.hand_.count; }
 
   const Ratios& ratios() const noexcept { return learned_.ratios_; }
 
