@@ -54,14 +54,13 @@ HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fi
       shape_model_(model),
       curvature_(fingertips),
       count_(kBinCount),
-      scratch_(kBinCount),
       smooth_(kBinCount),
       hand_smooth_(kBinCount),
       coarse_(kCoarseCount),
       patch_(kCoarseCount),
       patch_smooth_(kCoarseCount),
       marks_(kBinCount),
-      masks_(kMaxAtOnce) {}
+      masks_(std::min(config.readings_per_frame + kMaxLearned, kMaxAtOnce)) {}
 
 void HandSearch::reserve(int max_pixels, int max_side) {
   region_.reserve(max_pixels, max_side);
@@ -85,7 +84,7 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
   }
   std::ranges::fill(count_, 0.0f);
   for (const ColorBin b : image.used()) count_[b] += 1;
-  const BinRows spread = smooth_histogram(count_, scratch_, smooth_);
+  const BinRows spread = smooth_histogram(count_, smooth_);
   const float total = static_cast<float>(image.used().size());
   std::ranges::fill(coarse_, 0.0f);
   for (int row = 0; row < static_cast<int>(spread.size()); ++row) {
@@ -106,7 +105,7 @@ void HandSearch::read_known(const BinImage& image, const SkinModel& skin) noexce
   const auto count = skin.hand_count();
   const float hand_total = std::accumulate(count.begin(), count.end(), 0.0f);
   const float total = static_cast<float>(image.used().size());
-  const BinRows spread = smooth_histogram(count, scratch_, hand_smooth_);
+  const BinRows spread = smooth_histogram(count, hand_smooth_);
   for (int row = 0; row < static_cast<int>(seen_.size()); ++row) {
     if (!seen_[row]) continue;
     for (int i = row * kBinLevels; i < (row + 1) * kBinLevels; ++i) {
@@ -281,7 +280,8 @@ bool HandSearch::find(const BinImage& image, const SkinModel& skin, HandShape& s
     read_known(image, skin);
     for (const int t : {0, 6, 12}) now[learned++] = {&known_, t};
   }
-  const int turns = std::min({config_.readings_per_frame, reading_count_, kMaxAtOnce - learned});
+  const int room = static_cast<int>(masks_.size()) - learned;
+  const int turns = std::min({config_.readings_per_frame, reading_count_, room});
   for (int k = 0; k < turns; ++k) now[learned + k] = readings_[(next_ + k) % reading_count_];
   next_ = (next_ + turns) % reading_count_;
   mark_bins(image, {now.data(), static_cast<std::size_t>(learned + turns)});

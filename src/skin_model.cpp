@@ -21,14 +21,14 @@ constexpr float kGeneralShare = 0.6f;  // of the general prior in a bare hand's 
 /// part is left to the general prior: its wide flanks hold the shadows and edges of a bare hand,
 /// without which fingertips come out short. Of a glove it knows nothing.
 std::vector<std::uint8_t> prior_of(const SkinColors& colors) {
-  std::vector<float> share(kBinCount), scratch(kBinCount), smooth(kBinCount);
+  std::vector<float> share(kBinCount), smooth(kBinCount);
   float skin = 0;  // share of the colours that are rather skin than not
   for (const SkinColors::Entry& e : colors.entries) {
     share[e.bin] += e.share;
     if (kPriorTable[e.bin] < kPriorTable[kBinCount + e.bin]) skin += e.share;
   }
   for (int pass = 0; pass < kPersonalPasses; ++pass) {
-    smooth_histogram(share, scratch, smooth);
+    smooth_histogram(share, smooth);
     share.swap(smooth);
   }
   const float general = kGeneralShare * std::clamp(skin, 0.0f, 1.0f);
@@ -52,42 +52,43 @@ float fast_log(float x) {
 
 }  // namespace
 
-BinRows smooth_histogram(std::span<const float> count, std::span<float> scratch,
-                         std::span<float> out) noexcept {
-  static constexpr float kEmpty[kBinLevels] = {};
+BinRows smooth_histogram(std::span<const float> count, std::span<float> out) noexcept {
+  using Row = std::array<float, kBinLevels>;
   constexpr int kRows = kBinCount / kBinLevels;
-  BinRows filled, next;
+  BinRows filled;
   // Channel by channel; the outermost levels keep what would fall outside. Coarse levels of chroma
   // are wide enough.
   for (int r = 0; r < kRows; ++r) {
     const float* p = count.data() + r * kBinLevels;
     float* q = out.data() + r * kBinLevels;
     filled[r] = std::any_of(p, p + kBinLevels, [](float c) { return c != 0; });
-    if (!filled[r]) continue;
     std::copy_n(p, kBinLevels, q);
+    if (!filled[r]) continue;
     for (int k = kFineChroma; k < kCoarseChroma; ++k)
       q[k] = 0.25f * p[std::max(k - 1, kFineChroma)] + 0.5f * p[k] +
              0.25f * p[std::min(k + 1, kCoarseChroma - 1)];
   }
-  const auto pass = [&](const float* from, float* to, int stride, int lowest, int highest) {
-    for (int r = 0; r < kRows; ++r) {
-      const int level = r / stride % kBinLevels;
-      const int below = level > lowest && level <= highest ? r - stride : r;
-      const int above = level >= lowest && level < highest ? r + stride : r;
-      float* __restrict q = to + r * kBinLevels;
-      next[r] = filled[below] || filled[r] || filled[above];
-      if (!next[r]) {
-        std::fill_n(q, kBinLevels, 0.0f);
-        continue;
-      }
-      const auto row = [&](int i) { return filled[i] ? from + i * kBinLevels : kEmpty; };
-      const float *p0 = row(below), *p1 = row(r), *p2 = row(above);
-      for (int k = 0; k < kBinLevels; ++k) q[k] = 0.25f * p0[k] + 0.5f * p1[k] + 0.25f * p2[k];
+  // In place: of the rows along a channel, the one below as it was is kept aside.
+  const auto along = [&](int first, int stride, int levels) {
+    Row below, at;
+    bool below_filled = filled[first];
+    std::copy_n(out.data() + first * kBinLevels, kBinLevels, below.data());
+    for (int level = 0, r = first; level < levels; ++level, r += stride) {
+      const int above = level < levels - 1 ? r + stride : r;
+      const bool at_filled = filled[r];
+      if (!below_filled && !at_filled && !filled[above]) continue;  // `below` is empty too
+      float* q = out.data() + r * kBinLevels;
+      std::copy_n(q, kBinLevels, at.data());
+      const float* p = above == r ? at.data() : out.data() + above * kBinLevels;
+      for (int k = 0; k < kBinLevels; ++k) q[k] = 0.25f * below[k] + 0.5f * at[k] + 0.25f * p[k];
+      filled[r] = true;
+      below = at;
+      below_filled = at_filled;
     }
-    filled = next;
   };
-  pass(out.data(), scratch.data(), 1, kFineChroma, kCoarseChroma - 1);
-  pass(scratch.data(), out.data(), kBinLevels, 0, kBinLevels - 1);
+  for (int a = 0; a < kBinLevels; ++a)
+    along(a * kBinLevels + kFineChroma, 1, kCoarseChroma - kFineChroma);
+  for (int b = 0; b < kBinLevels; ++b) along(b, kBinLevels, kBinLevels);
   return filled;
 }
 
@@ -96,8 +97,7 @@ SkinModel::SkinModel(const SkinModelConfig& config)
       prior_skin_probability_(kBinCount),
       prior_other_probability_(kBinCount),
       hand_smooth_(kBinCount),
-      background_smooth_(kBinCount),
-      scratch_(kBinCount) {
+      background_smooth_(kBinCount) {
   for (Histogram* h : {&learned_.hand_, &learned_.background_}) h->count.resize(kBinCount);
   if (!config.personal.empty()) personal_ = prior_of(config.personal);
   for (int i = 0; i < kBinCount; ++i) {
@@ -176,7 +176,7 @@ void SkinModel::rebuild() noexcept {
   const auto smooth = [&](const Histogram& h, double prior_weight, std::vector<float>& out) {
     Part part;
     if (h.total < 1) return part;
-    part.rows = smooth_histogram(h.count, scratch_, out);
+    part.rows = smooth_histogram(h.count, out);
     part.prior = static_cast<float>(prior_weight);
     part.scale = (1 - part.prior) / h.total;
     return part;
@@ -184,7 +184,7 @@ void SkinModel::rebuild() noexcept {
   Part hand = smooth(learned_.hand_, config_.hand_prior_weight, hand_smooth_);
   for (int k = 0; k < learned_.widening_; ++k) {
     hand_smooth_.swap(background_smooth_);  // which comes after
-    hand.rows = smooth_histogram(background_smooth_, scratch_, hand_smooth_);
+    hand.rows = smooth_histogram(background_smooth_, hand_smooth_);
   }
   const Part background =
       smooth(learned_.background_, config_.background_prior_weight, background_smooth_);

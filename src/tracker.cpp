@@ -135,8 +135,8 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
   search_bins.bins.resize(pixels / 4 + width_px + height_px);
   region.reserve(pixels, std::max(width_px, height_px));
   mask_bytes.resize(pixels);
-  expectation.ratios.resize(pixels);
-  search.reserve(pixels / 4 + width_px + height_px, std::max(width_px, height_px));
+  expectation.ratios.resize((width_px / 2 + 1) * (height_px / 2 + 1));  // cells of 2 or more
+  search.reserve(pixels / 4 + width_px + height_px, std::max(width_px, height_px) / 2 + 1);
   contour.reserve(1 << 14);
   contour_px.resize(1 << 14);
   forget();

@@ -8,6 +8,7 @@
 
 namespace {
 std::atomic<int> allocations = 0;
+std::atomic<std::size_t> allocated_bytes = 0;  // freed or not
 }
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -17,7 +18,10 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const
                                                          void (*on_free)(const volatile void*));
 namespace {
 const int kInstalled = __sanitizer_install_malloc_and_free_hooks(
-    [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
+    [](const volatile void*, std::size_t n) {
+      ++allocations;
+      allocated_bytes += n;
+    }, [](const volatile void*) {});
 }
 #elif defined(__GLIBC__)
 extern "C" {
@@ -27,18 +31,22 @@ void* __libc_realloc(void*, std::size_t);
 void* __libc_memalign(std::size_t, std::size_t);
 void* malloc(std::size_t n) noexcept {
   ++allocations;
+  allocated_bytes += n;
   return __libc_malloc(n);
 }
 void* calloc(std::size_t n, std::size_t size) noexcept {
   ++allocations;
+  allocated_bytes += n * size;
   return __libc_calloc(n, size);
 }
 void* realloc(void* p, std::size_t n) noexcept {
   ++allocations;
+  allocated_bytes += n;
   return __libc_realloc(p, n);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t n) noexcept {
   ++allocations;
+  allocated_bytes += n;
   return __libc_memalign(alignment, n);
 }
 }
@@ -106,6 +114,20 @@ TEST_P(Allocations, NoneAfterTheFirstFrame) {
   film.tracker.reset();
   film.noise = 60;
   EXPECT_EQ(count(film, 10), 0) << "noise";
+}
+
+/// Bytes that a tracker takes in all for frames of this size.
+std::size_t memory(const Config& config, int width, int height) {
+  const Picture picture(width, height);
+  const std::size_t before = allocated_bytes;
+  HandTracker tracker(Camera::from_field_of_view(width, height), average_adult_hand(), config);
+  tracker.process(picture.view(), 0);
+  return allocated_bytes - before;
+}
+
+TEST_P(Allocations, TakeAsMuchAsIsDocumented) {
+  EXPECT_LT(memory(config(), 640, 480), 4'000'000u);
+  EXPECT_LT(memory(config(), 1920, 1080), 14'000'000u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Resolution, Allocations, testing::Bool(),

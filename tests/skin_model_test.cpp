@@ -160,11 +160,11 @@ TEST(SkinModel, ThePriorsAreProbabilitiesOverTheBins) {
 }
 
 TEST(SkinModel, SmoothingSpreadsEachChannelAndLosesNothing) {
-  std::vector<float> count(kBinCount), scratch(kBinCount), smooth(kBinCount);
+  std::vector<float> count(kBinCount), smooth(kBinCount);
   const int inner = 10 << 10 | 20 << 5 | 6, corner = 0;
   count[inner] = 64;
   count[corner] = 64;
-  smooth_histogram(count, scratch, smooth);
+  smooth_histogram(count, smooth);
   EXPECT_FLOAT_EQ(smooth[inner], 8);
   for (const int step : {1, 32, 1024}) {
     EXPECT_FLOAT_EQ(smooth[inner + step], 4);

@@ -44,6 +44,7 @@ class HandSearch {
 
  private:
   using Channel = std::array<std::int8_t, kBinCount>;
+  static constexpr int kMaxLearned = 4;  ///< readings of what was learned
   static constexpr int kMaxAtOnce = 32;  ///< readings: a bit each
   struct Reading {
     const Channel* channel = nullptr;
@@ -68,7 +69,7 @@ class HandSearch {
   Contour contour_;
   CurvatureFinder curvature_;
   Channel known_, prior_, scene_, luma_, red_, blue_;
-  std::vector<float> count_, scratch_, smooth_;  ///< of the scene's colours
+  std::vector<float> count_, smooth_;    ///< of the scene's colours
   std::vector<float> hand_smooth_;               ///< of the learned hand's colours
   BinRows seen_{};                               ///< rows of bins that the scene has
   std::vector<float> coarse_, patch_, patch_smooth_;

@@ -102,7 +102,7 @@ class SkinModel {
   std::vector<float> prior_skin_probability_, prior_other_probability_;
   Ratios unseen_{};  // of colours that were seen neither on the hand nor around it
   float hand_prior_ = 0, background_prior_ = 0;  // weights for which it was made
-  std::vector<float> hand_smooth_, background_smooth_, scratch_;
+  std::vector<float> hand_smooth_, background_smooth_;
   Learned learned_;
   std::uint32_t version_ = 0;
 };
@@ -112,9 +112,8 @@ class SkinModel {
 using BinRows = std::array<bool, kBinCount / kBinLevels>;
 
 /// Spreads each bin's count over its neighbours (binomial 1 2 1 along each channel), so that few
-/// samples stand for the colours around them. All have kBinCount entries. Returns which rows of
+/// samples stand for the colours around them. Both have kBinCount entries. Returns which rows of
 /// `out` are not empty.
-BinRows smooth_histogram(std::span<const float> count, std::span<float> scratch,
-                         std::span<float> out) noexcept;
+BinRows smooth_histogram(std::span<const float> count, std::span<float> out) noexcept;
 
 }  // namespace handyar
