@@ -20,6 +20,10 @@ struct Clip {
 };
 const Clip& clip();
 
+/// The clip's last frames enlarged to this height and widened at both sides by their outermost
+/// columns. Only the size asked for last is kept.
+const Clip& clip_at(int width, int height);
+
 inline ImageView view(const cv::Mat& bgr) {
   return {bgr.data, bgr.cols, bgr.rows, static_cast<std::ptrdiff_t>(bgr.step[0])};
 }
@@ -27,8 +31,8 @@ inline ImageView view(const cv::Mat& bgr) {
 /// Processor time of this thread: what others do on the machine does not count.
 double now_s();
 
-/// Median; the values are left in another order.
-double median(std::vector<double>& values);
+/// The value that a share of all values lies below; the values are left in another order.
+double quantile(std::vector<double>& values, double share);
 
 void register_tracker_benchmarks();
 void register_stage_benchmarks();

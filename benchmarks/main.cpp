@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Runs the benchmarks, then prints the paper's Table 1: what each stage takes in milliseconds, at
-// full and half resolution, next to marker detection and a copy of the same frames.
+// Runs the benchmarks, then prints two tables: the paper's Table 1, what each stage takes in
+// milliseconds at full and half resolution; and the whole tracker at three sizes of frame, next to
+// marker detection, a copy and a plain look-up of the same frames.
 #include <cstdio>
 #include <exception>
 #include <map>
+#include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "clip.hpp"
@@ -27,6 +29,26 @@ const Clip& clip() {
   return clip;
 }
 
+const Clip& clip_at(int width, int height) {
+  static Clip scaled;
+  if (!scaled.frames.empty() && scaled.frames[0].size() == cv::Size(width, height)) return scaled;
+  constexpr std::size_t kFrames = 40;
+  const std::vector<cv::Mat>& all = clip().frames;
+  scaled = {{}, clip().camera, clip().hand};
+  const double scale = static_cast<double>(height) / all[0].rows;
+  const int inner = static_cast<int>(all[0].cols * scale), side = (width - inner) / 2;
+  for (std::size_t i = all.size() - std::min(all.size(), kFrames); i < all.size(); ++i) {
+    cv::Mat large, wide;
+    cv::resize(all[i], large, {inner, height}, 0, 0, cv::INTER_CUBIC);
+    cv::copyMakeBorder(large, wide, 0, 0, side, width - inner - side, cv::BORDER_REPLICATE);
+    scaled.frames.push_back(wide);
+  }
+  scaled.camera = clip().camera.scaled_to(inner, height);
+  scaled.camera.width_px = width;
+  scaled.camera.cx_px += side;
+  return scaled;
+}
+
 namespace {
 
 /// Prints as usual and keeps the counters for the table.
@@ -39,13 +61,18 @@ class Reporter : public benchmark::ConsoleReporter {
         values_[run.run_name.function_name][counter] = value.value;
   }
 
-  void print_table() const {
-    static constexpr const char* kColumns[] = {"tracker/full/searching", "tracker/full/tracking",
-                                               "tracker/half/searching", "tracker/half/tracking"};
+  void print_tables() const {
+    print_stages();
+    print_sizes();
+  }
+
+ private:
+  void print_stages() const {
+    static constexpr const char* kColumns[] = {"640x480/searching", "640x480/tracking",
+                                               "640x480/half/searching", "640x480/half/tracking"};
     for (const char* column : kColumns)
       if (!values_.contains(column)) return;  // some were filtered out
-    std::printf("\nMedian milliseconds of a %dx%d frame, one thread\n\n", clip().frames[0].cols,
-                clip().frames[0].rows);
+    std::printf("\nMedian milliseconds of a 640x480 frame, one thread\n\n");
     std::printf(
         "| stage (paper, Table 1) | full, searching | full, tracking | half, searching | "
         "half, tracking |\n| --- | ---: | ---: | ---: | ---: |\n");
@@ -55,11 +82,27 @@ class Reporter : public benchmark::ConsoleReporter {
       for (const char* column : kColumns) std::printf(" %.3f |", value(column, stage));
       std::printf("\n");
     }
-    std::printf("| ArUco detection | %.3f | | | |\n", value("aruco", "total"));
-    std::printf("| copy of the frame | %.3f | | | |\n", value("copy", "total"));
   }
 
- private:
+  /// Ratios of the same run hardly depend on the machine and on what else it does.
+  void print_sizes() const {
+    std::printf(
+        "\n| frame | tracking (ms) | 99 %% | searching (ms) | 99 %% | ArUco (ms) | look-up (ms) | "
+        "copy (ms) | ArUco / tracking | tracking / look-up | tracking / copy |\n"
+        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+    for (const std::string size : {"640x480", "1280x720", "1920x1080"}) {
+      const double tracking = value(size + "/tracking", "total");
+      const double aruco = value(size + "/aruco", "total");
+      const double lookup = value(size + "/lookup", "total");
+      const double copy = value(size + "/copy", "total");
+      if (tracking * aruco * lookup * copy == 0) continue;  // some were filtered out
+      std::printf("| %s | %.3f | %.3f | %.3f | %.3f | %.2f | %.3f | %.3f | %.1f | %.1f | %.1f |\n",
+                  size.c_str(), tracking, value(size + "/tracking", "p99"),
+                  value(size + "/searching", "total"), value(size + "/searching", "p99"), aruco,
+                  lookup, copy, aruco / tracking, tracking / lookup, tracking / copy);
+    }
+  }
+
   double value(const std::string& run, const std::string& counter) const {
     const auto found = values_.find(run);
     if (found == values_.end() || !found->second.contains(counter)) return 0;
@@ -79,7 +122,7 @@ int main(int argc, char** argv) try {
   handyar::benchmarks::register_stage_benchmarks();
   handyar::benchmarks::Reporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
-  reporter.print_table();
+  reporter.print_tables();
 } catch (const std::exception& e) {
   std::fprintf(stderr, "handyar_benchmark: %s\n", e.what());
   return 1;

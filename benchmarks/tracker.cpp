@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cstring>
 #include <opencv2/aruco.hpp>
+#include <string>
 
 #include "clip.hpp"
+#include "handyar/skin_model.hpp"
 
 namespace handyar::benchmarks {
 namespace {
@@ -39,7 +41,8 @@ class Stages {
     static constexpr const char* kNames[kCount] = {"segmentation", "fingertips", "matching",
                                                    "pose",         "filter",     "total"};
     if (ms_[0].empty()) return state.SkipWithError("no frame was in the wanted state");
-    for (int i = 0; i < kCount; ++i) state.counters[kNames[i]] = median(ms_[i]);
+    for (int i = 0; i < kCount; ++i) state.counters[kNames[i]] = quantile(ms_[i], 0.5);
+    state.counters["p99"] = quantile(ms_[kCount - 1], 0.99);
   }
 
  private:
@@ -57,12 +60,12 @@ Config config(bool half_resolution) {
 constexpr double kFrame_s = 1 / 30.0;
 
 /// Frame after frame; those in which the hand is tracked count.
-void tracking(benchmark::State& state, bool half_resolution) {
-  HandTracker tracker(clip().camera, clip().hand, config(half_resolution));
-  Swing swing(static_cast<int>(clip().frames.size()));
+void tracking(benchmark::State& state, const Clip& film, bool half_resolution) {
+  HandTracker tracker(film.camera, film.hand, config(half_resolution));
+  Swing swing(static_cast<int>(film.frames.size()));
   double time_s = 0;
   const auto process_next = [&] {
-    return tracker.process(view(clip().frames[swing.next()]), time_s += kFrame_s);
+    return tracker.process(view(film.frames[swing.next()]), time_s += kFrame_s);
   };
   for (int tries = 0; tries < 60 && process_next().state != State::tracking;) ++tries;
   Stages stages;
@@ -75,14 +78,14 @@ void tracking(benchmark::State& state, bool half_resolution) {
 }
 
 /// Each frame as the first one that the tracker sees, so that it looks for the hand anywhere.
-void searching(benchmark::State& state, bool half_resolution) {
-  HandTracker tracker(clip().camera, clip().hand, config(half_resolution));
-  Swing swing(static_cast<int>(clip().frames.size()));
+void searching(benchmark::State& state, const Clip& film, bool half_resolution) {
+  HandTracker tracker(film.camera, film.hand, config(half_resolution));
+  Swing swing(static_cast<int>(film.frames.size()));
   double time_s = 0;
   Stages stages;
   for (auto _ : state) {
     tracker.reset();
-    const ImageView frame = view(clip().frames[swing.next()]);
+    const ImageView frame = view(film.frames[swing.next()]);
     const TrackResult result = tracker.process(frame, time_s += kFrame_s);
     state.SetIterationTime(1e-3 * result.times.total_ms);
     stages.add(result.times);
@@ -90,45 +93,60 @@ void searching(benchmark::State& state, bool half_resolution) {
   stages.report(state);
 }
 
-/// The marker in the same frames, corners refined, on one thread.
-void aruco(benchmark::State& state) {
-  cv::setNumThreads(1);
-  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50);
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
-  Swing swing(static_cast<int>(clip().frames.size()));
-  std::vector<double> total_ms;
-  std::int64_t found = 0;
-  for (auto _ : state) {
-    const cv::Mat& frame = clip().frames[swing.next()];
-    std::vector<std::vector<cv::Point2f>> corners;
-    std::vector<int> ids;
-    const double start_s = now_s();
-    cv::aruco::detectMarkers(frame, dictionary, corners, ids, parameters);
-    const double took_s = now_s() - start_s;
-    state.SetIterationTime(took_s);
-    total_ms.push_back(1e3 * took_s);
-    found += !ids.empty();
-  }
-  state.counters["total"] = median(total_ms);
-  state.counters["found"] = static_cast<double>(found) / static_cast<double>(total_ms.size());
-}
-
-/// The least that a program which looks at every pixel can take.
-void copy_of_the_frame(benchmark::State& state) {
-  Swing swing(static_cast<int>(clip().frames.size()));
-  cv::Mat copy = clip().frames[0].clone();
+/// Median time of a function of a frame.
+template <class Function>
+void time_frames(benchmark::State& state, const Clip& film, const Function& function) {
+  Swing swing(static_cast<int>(film.frames.size()));
   std::vector<double> total_ms;
   for (auto _ : state) {
-    const cv::Mat& frame = clip().frames[swing.next()];
+    const cv::Mat& frame = film.frames[swing.next()];
     const double start_s = now_s();
-    std::memcpy(copy.data, frame.data, frame.total() * frame.elemSize());
+    function(frame);
     benchmark::ClobberMemory();
     const double took_s = now_s() - start_s;
     state.SetIterationTime(took_s);
     total_ms.push_back(1e3 * took_s);
   }
-  state.counters["total"] = median(total_ms);
+  state.counters["total"] = quantile(total_ms, 0.5);
+}
+
+/// The marker in the same frames, corners refined, on one thread.
+void aruco(benchmark::State& state, const Clip& film) {
+  cv::setNumThreads(1);
+  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50);
+  const auto parameters = cv::aruco::DetectorParameters::create();
+  parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
+  std::int64_t found = 0;
+  time_frames(state, film, [&](const cv::Mat& frame) {
+    std::vector<std::vector<cv::Point2f>> corners;
+    std::vector<int> ids;
+    cv::aruco::detectMarkers(frame, dictionary, corners, ids, parameters);
+    found += !ids.empty();
+  });
+  state.counters["found"] = static_cast<double>(found) / static_cast<double>(state.iterations());
+}
+
+/// The least that a program which looks at every pixel can take.
+void copy_of_the_frame(benchmark::State& state, const Clip& film) {
+  cv::Mat copy = film.frames[0].clone();
+  time_frames(state, film, [&](const cv::Mat& frame) {
+    std::memcpy(copy.data, frame.data, frame.total() * frame.elemSize());
+  });
+}
+
+/// The least that segmentation by colour can take: every second pixel of every second row, looked
+/// up in a table of 32 levels a channel.
+void lookup(benchmark::State& state, const Clip& film) {
+  const SkinModel skin;
+  std::vector<std::uint8_t> mask(film.frames[0].total() / 4);
+  time_frames(state, film, [&](const cv::Mat& frame) {
+    std::uint8_t* to = mask.data();
+    for (int y = 0; y + 1 < frame.rows; y += 2) {
+      const std::uint8_t* p = frame.ptr(y);
+      for (int x = 0; x + 1 < frame.cols; x += 2, p += 6)
+        *to++ = skin.ratios()[(p[2] >> 3) << 10 | (p[1] >> 3) << 5 | p[0] >> 3] > 0;
+    }
+  });
 }
 
 }  // namespace
@@ -139,22 +157,33 @@ double now_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double quantile(std::vector<double>& values, double share) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
 void register_tracker_benchmarks() {
-  const auto add = [](const char* name, const auto& function) {
-    benchmark::RegisterBenchmark(name, function)->UseManualTime()->Unit(benchmark::kMillisecond);
+  const auto add = [](const std::string& name, const auto& function) {
+    benchmark::RegisterBenchmark(name.c_str(), function)
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
   };
-  add("tracker/full/searching", [](benchmark::State& s) { searching(s, false); });
-  add("tracker/full/tracking", [](benchmark::State& s) { tracking(s, false); });
-  add("tracker/half/searching", [](benchmark::State& s) { searching(s, true); });
-  add("tracker/half/tracking", [](benchmark::State& s) { tracking(s, true); });
-  add("aruco", aruco);
-  add("copy", copy_of_the_frame);
+  using Run = benchmark::State;
+  add("640x480/half/searching", [](Run& s) { searching(s, clip(), true); });
+  add("640x480/half/tracking", [](Run& s) { tracking(s, clip(), true); });
+  for (const auto& [w, h] : {std::pair{640, 480}, {1280, 720}, {1920, 1080}}) {
+    const std::string size = std::to_string(w) + "x" + std::to_string(h);
+    const auto film = [w = w, h = h]() -> const Clip& {
+      return h == clip().frames[0].rows ? clip() : clip_at(w, h);
+    };
+    add(size + "/searching", [film](Run& s) { searching(s, film(), false); });
+    add(size + "/tracking", [film](Run& s) { tracking(s, film(), false); });
+    add(size + "/aruco", [film](Run& s) { aruco(s, film()); });
+    add(size + "/lookup", [film](Run& s) { lookup(s, film()); });
+    add(size + "/copy", [film](Run& s) { copy_of_the_frame(s, film()); });
+  }
 }
 
 }  // namespace handyar::benchmarks

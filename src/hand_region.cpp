@@ -106,7 +106,7 @@ void RegionFinder::grow_back(int radius) noexcept {
   intersect(mask_, colored_);
 }
 
-std::int32_t RegionFinder::root(std::int32_t run) noexcept {
+int RegionFinder::root(int run) noexcept {
   while (runs_[run].label != run) run = runs_[run].label = runs_[runs_[run].label].label;
   return run;
 }
@@ -121,13 +121,13 @@ std::span<const Component> RegionFinder::components(int min_area) noexcept {
     for (int u0 = mask_.next_set(v, 0), u1; u0 < mask_.width; u0 = mask_.next_set(v, u1)) {
       u1 = mask_.next_clear(v, u0);
       if (run_count_ == static_cast<int>(runs_.size())) return {};
-      const std::int32_t id = run_count_++;
+      const int id = run_count_++;
       runs_[id] = {static_cast<std::int16_t>(v), static_cast<std::int16_t>(u0),
-                   static_cast<std::int16_t>(u1), id, 0};
+                   static_cast<std::int16_t>(u1), static_cast<std::int16_t>(id), 0};
       while (above < above_end && runs_[above].u1 < u0) ++above;  // touching corners count
       for (int k = above; k < above_end && runs_[k].u0 <= u1; ++k) {
-        const std::int32_t a = root(id), b = root(k);
-        if (a != b) runs_[std::max(a, b)].label = std::min(a, b);
+        const int a = root(id), b = root(k);
+        if (a != b) runs_[std::max(a, b)].label = static_cast<std::int16_t>(std::min(a, b));
       }
     }
     above_begin = begin;
@@ -135,7 +135,7 @@ std::span<const Component> RegionFinder::components(int min_area) noexcept {
   }
   // The root of a component is its first run: top row, leftmost.
   for (int i = 0; i < run_count_; ++i) {
-    runs_[i].label = root(i);
+    runs_[i].label = static_cast<std::int16_t>(root(i));
     runs_[runs_[i].label].area += runs_[i].u1 - runs_[i].u0;
   }
   const auto larger = [](const Component& a, const Component& b) {
@@ -158,7 +158,7 @@ std::span<const Component> RegionFinder::components(int min_area) noexcept {
   return {components_, static_cast<std::size_t>(component_count_)};
 }
 
-Component RegionFinder::measure(std::int32_t label) noexcept {
+Component RegionFinder::measure(int label) noexcept {
   const Run& first = runs_[label];
   Component c{label,   first.area, Eigen::Vector2f::Zero(), first.u0, first.v, first.u1 - 1,
               first.v, first.u0};
@@ -176,11 +176,11 @@ Component RegionFinder::measure(std::int32_t label) noexcept {
 }
 
 const Component* RegionFinder::component_at(int u, int v) const noexcept {
-  std::int32_t best = -1;
+  int best = -1;
   int best_distance = std::numeric_limits<int>::max();
   for (int i = 0; i < run_count_; ++i) {
     const Run& r = runs_[i];
-    const std::int32_t label = r.label;
+    const int label = r.label;
     const bool listed = std::any_of(components_, components_ + component_count_,
                                     [&](const Component& c) { return c.label == label; });
     if (!listed) continue;

@@ -79,7 +79,7 @@ struct HandTracker::Impl {
   SkinModel::Learned trusted_skin;  // as it was when the hand was last tracked
   HandShapeModel shape_model;
   HandSearch search;
-  BinImage bins, search_bins;
+  BinImage bins;  // of the neighbourhood, or of the whole frame while searching it
   ExpectedRegion expectation;
   const ExpectedRegion anywhere{.ratios = {ExpectedRegion::kInside}};
   RegionFinder region;
@@ -89,7 +89,6 @@ struct HandTracker::Impl {
   SkinSamples samples;
   std::vector<Eigen::Vector2f> contour_px;
   int contour_size = 0;
-  std::vector<std::uint8_t> mask_bytes;  // for those who ask for the mask
 
   // What is known of the hand from frame to frame.
   State state = State::searching;
@@ -132,9 +131,7 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
   camera = calibrated_camera.scaled_to(width_px, height_px);
   const int pixels = width_px * height_px;
   bins.bins.resize(pixels);
-  search_bins.bins.resize(pixels / 4 + width_px + height_px);
   region.reserve(pixels, std::max(width_px, height_px));
-  mask_bytes.resize(pixels);
   expectation.ratios.resize((width_px / 2 + 1) * (height_px / 2 + 1));  // cells of 2 or more
   search.reserve(pixels / 4 + width_px + height_px, std::max(width_px, height_px) / 2 + 1);
   contour.reserve(1 << 14);
@@ -147,11 +144,11 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
 bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   const int longer = std::max(width_px, height_px);
   const int step = (longer + config.search.longer_side / 2) / config.search.longer_side;
-  read_bins(frame, {0, 0, width_px, height_px}, std::max(step, 2), search_bins);
+  read_bins(frame, {0, 0, width_px, height_px}, std::max(step, 2), bins);
   HandShape coarse;
-  if (!search.find(search_bins, skin, coarse)) return false;
+  if (!search.find(bins, skin, coarse)) return false;
   const HandShape candidate =
-      coarse.transformed(static_cast<float>(search_bins.step_px), search_bins.origin_px());
+      coarse.transformed(static_cast<float>(bins.step_px), bins.origin_px());
   if (following) {
     if (candidate.resembles(shape)) {
       acquired_deviation = std::min(acquired_deviation, candidate.deviation);
@@ -170,7 +167,7 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
     skin.reset();
   skin.forget_background();
   skin.widen();
-  learn(search_bins, search.region().mask(), coarse);
+  learn(bins, search.region().mask(), coarse);
   return true;
 }
 
@@ -483,9 +480,11 @@ std::span<const Eigen::Vector2f> HandTracker::contour_px() const noexcept {
 HandMask HandTracker::mask() const noexcept {
   if (impl_->contour_size == 0) return {};
   const Mask& m = impl_->region.mask();
-  m.unpack(impl_->mask_bytes.data());
-  return {impl_->mask_bytes.data(), m.width,           m.height,           m.width,
-          impl_->bins.x0_px,        impl_->bins.y0_px, impl_->bins.step_px};
+  // Colours are not needed between frames: their room holds the mask for who asks for it.
+  auto* const bytes = reinterpret_cast<std::uint8_t*>(impl_->bins.bins.data());
+  m.unpack(bytes);
+  return {
+      bytes, m.width, m.height, m.width, impl_->bins.x0_px, impl_->bins.y0_px, impl_->bins.step_px};
 }
 
 const HandModel& HandTracker::hand() const noexcept { return impl_->hand(impl_->found.layout); }

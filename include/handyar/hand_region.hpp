@@ -82,11 +82,11 @@ class RegionFinder {
  private:
   struct Run {
     std::int16_t v, u0, u1;  ///< u0 <= u < u1
-    std::int32_t label;      ///< union-find parent, then component label
+    std::int16_t label;      ///< union-find parent, then component label
     std::int32_t area;       ///< of the component, in the run that is its label
   };
-  std::int32_t root(std::int32_t run) noexcept;
-  Component measure(std::int32_t label) noexcept;
+  int root(int run) noexcept;
+  Component measure(int label) noexcept;
 
   Mask mask_;
   Mask colored_;  ///< the mask before edges cut it
