@@ -19,7 +19,7 @@ std::int8_t clamp8(double x) { return static_cast<std::int8_t>(std::clamp(x, -12
 
 // Bounds that a hand of five spread fingers keeps with a wide margin; they spare most regions a
 // closer look. Lobed: the squared length of the boundary over that of a disc of the same area.
-constexpr float kLeastLobed = 3.5f, kMostLobed = 45;
+constexpr float kLeastLobed = 4, kMostLobed = 45;
 constexpr float kLeastPalm = 6.7f;  // pixels: fingers of three, as thin as remove_thin(1) leaves
 
 bool may_be_hand(const Component& c, const Contour& contour) {

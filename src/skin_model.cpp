@@ -94,16 +94,11 @@ BinRows smooth_histogram(std::span<const float> count, std::span<float> out) noe
 
 SkinModel::SkinModel(const SkinModelConfig& config)
     : config_(config),
-      prior_skin_probability_(kBinCount),
-      prior_other_probability_(kBinCount),
       hand_smooth_(kBinCount),
       background_smooth_(kBinCount) {
   for (Histogram* h : {&learned_.hand_, &learned_.background_}) h->count.resize(kBinCount);
   if (!config.personal.empty()) personal_ = prior_of(config.personal);
-  for (int i = 0; i < kBinCount; ++i) {
-    prior_skin_probability_[i] = std::exp(-prior_skin()[i] / 8.0f);
-    prior_other_probability_[i] = std::exp(-prior_other()[i] / 8.0f);
-  }
+  for (int i = 0; i < 256; ++i) probability_[i] = std::exp(-i / 8.0f);
   reset();
 }
 
@@ -191,8 +186,11 @@ void SkinModel::rebuild() noexcept {
   const auto mix = [&](int row, const float* hand_count, const float* background_count,
                        std::int8_t* __restrict out) {
     constexpr float kLimit = 32;
-    const float* skin = prior_skin_probability_.data() + row * kBinLevels;
-    const float* other = prior_other_probability_.data() + row * kBinLevels;
+    std::array<float, kBinLevels> skin, other;
+    for (int k = 0; k < kBinLevels; ++k) {
+      skin[k] = probability_[prior_skin()[row * kBinLevels + k]];
+      other[k] = probability_[prior_other()[row * kBinLevels + k]];
+    }
     for (int k = 0; k < kBinLevels; ++k) {
       const float p = hand.scale * hand_count[k] + hand.prior * skin[k];
       const float q = background.scale * background_count[k] + background.prior * other[k];

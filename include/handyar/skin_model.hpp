@@ -99,7 +99,7 @@ class SkinModel {
 
   SkinModelConfig config_;
   std::vector<std::uint8_t> personal_;  // a table like the prior's; empty: none
-  std::vector<float> prior_skin_probability_, prior_other_probability_;
+  std::array<float, 256> probability_{};  // of entries of such tables
   Ratios unseen_{};  // of colours that were seen neither on the hand nor around it
   float hand_prior_ = 0, background_prior_ = 0;  // weights for which it was made
   std::vector<float> hand_smooth_, background_smooth_;
