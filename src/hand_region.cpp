@@ -9,7 +9,7 @@
 namespace handyar {
 namespace {
 
-constexpr int kMaxRuns = 1 << 14;  // a region of noise has more; it is no hand
+constexpr int kMaxRuns = 3 << 12;  // a region of noise has more; it is no hand
 constexpr int kMaxRadius = 8;
 constexpr int kDeepestAcross = 64;  // resolution of deepest(): at least this, less than twice this
 constexpr int kEdgeRatio = 16;  // what a step of one level beyond the first counts against a hand

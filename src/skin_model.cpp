@@ -93,9 +93,7 @@ BinRows smooth_histogram(std::span<const float> count, std::span<float> out) noe
 }
 
 SkinModel::SkinModel(const SkinModelConfig& config)
-    : config_(config),
-      hand_smooth_(kBinCount),
-      background_smooth_(kBinCount) {
+    : config_(config), hand_smooth_(kBinCount), background_smooth_(kBinCount) {
   for (Histogram* h : {&learned_.hand_, &learned_.background_}) h->count.resize(kBinCount);
   if (!config.personal.empty()) personal_ = prior_of(config.personal);
   for (int i = 0; i < 256; ++i) probability_[i] = std::exp(-i / 8.0f);

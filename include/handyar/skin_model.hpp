@@ -98,7 +98,7 @@ class SkinModel {
   void rebuild() noexcept;
 
   SkinModelConfig config_;
-  std::vector<std::uint8_t> personal_;  // a table like the prior's; empty: none
+  std::vector<std::uint8_t> personal_;    // a table like the prior's; empty: none
   std::array<float, 256> probability_{};  // of entries of such tables
   Ratios unseen_{};  // of colours that were seen neither on the hand nor around it
   float hand_prior_ = 0, background_prior_ = 0;  // weights for which it was made
