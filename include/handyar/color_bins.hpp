@@ -20,27 +20,36 @@ inline constexpr int kBinLevels = 32;
 inline constexpr int kBinCount = kBinLevels * kBinLevels * kBinLevels;
 inline constexpr int kFineChroma = 4, kCoarseChroma = 28;  ///< the fine levels, from, to before
 
-/// Bin of luma and chromas times 256.
-constexpr ColorBin color_bin(int luma256, int yellowness256, int redness256) noexcept {
-  const auto level = [](int chroma256) {
-    constexpr int kFrom = -8 * 256, kTo = 40 * 256;
-    return kFineChroma + std::clamp((chroma256 - kFrom) >> 9, 0, kCoarseChroma - kFineChroma) +
-           std::clamp((chroma256 - kFrom) >> 13, -kFineChroma, 0) +
-           std::clamp((chroma256 - kTo) >> 13, 0, kBinLevels - 1 - kCoarseChroma);
+/// Bin of luma and chromas times 256. In 16 bits throughout: a vector holds twice as many.
+constexpr ColorBin color_bin(std::uint16_t luma256, std::int16_t yellowness256,
+                             std::int16_t redness256) noexcept {
+  using Short = std::int16_t;
+  const auto level = [](Short chroma256) {
+    constexpr Short kFrom = -8 * 256, kTo = 40 * 256, kZero = 0;
+    const auto fine = std::clamp<Short>(Short(chroma256 >> 9), kFrom >> 9, kTo >> 9);
+    const auto below = Short(Short(std::min(chroma256, kZero) - kFrom) >> 13);
+    const auto above = Short(Short(std::max(chroma256, kZero) - kTo) >> 13);
+    return Short(kFineChroma - (kFrom >> 9) + fine + std::clamp<Short>(below, -kFineChroma, 0) +
+                 std::clamp<Short>(above, 0, kBinLevels - 1 - kCoarseChroma));
   };
-  return static_cast<ColorBin>(std::clamp(luma256 >> 11, 0, 31) << 10 | level(yellowness256) << 5 |
-                               level(redness256));
+  return static_cast<ColorBin>(ColorBin(ColorBin(luma256 >> 11) << 10) |
+                               ColorBin(level(yellowness256) << 5) | ColorBin(level(redness256)));
 }
 
 /// Bin of a colour, 0..255.
 constexpr ColorBin bin_of_rgb(int r, int g, int b) noexcept {
-  return color_bin(77 * r + 150 * g + 29 * b, 43 * r + 85 * g - 128 * b,
-                   128 * r - 107 * g - 21 * b);
+  return color_bin(static_cast<std::uint16_t>(77 * r + 150 * g + 29 * b),
+                   static_cast<std::int16_t>(43 * r + 85 * g - 128 * b),
+                   static_cast<std::int16_t>(128 * r - 107 * g - 21 * b));
 }
 
-/// Bin of a colour as cameras deliver it: luma 16..235, chroma 16..240.
+/// Bin of a colour as cameras deliver it: luma 16..235, chroma 16..240, or beyond like the ends.
 constexpr ColorBin bin_of_ycbcr(int y, int cb, int cr) noexcept {
-  return color_bin(298 * (y - 16), 291 * (128 - cb), 291 * (cr - 128));
+  const auto chroma = [](int c) {
+    return static_cast<std::int16_t>(std::clamp(291 * c, -32768, 32767));
+  };
+  return color_bin(static_cast<std::uint16_t>(std::clamp(298 * (y - 16), 0, 65535)),
+                   chroma(128 - cb), chroma(cr - 128));
 }
 
 /// RGB of a bin's centre; of a bin that no colour falls into, beyond 0..255.
