@@ -61,12 +61,16 @@ BinRows smooth_histogram(std::span<const float> count, std::span<float> out) noe
   for (int r = 0; r < kRows; ++r) {
     const float* p = count.data() + r * kBinLevels;
     float* q = out.data() + r * kBinLevels;
-    filled[r] = std::any_of(p, p + kBinLevels, [](float c) { return c != 0; });
+    std::uint32_t any = 0;  // of the bits: counts are never negative, and this is vectorised
+    for (int k = 0; k < kBinLevels; ++k) any |= std::bit_cast<std::uint32_t>(p[k]);
+    filled[r] = any != 0;
     std::copy_n(p, kBinLevels, q);
     if (!filled[r]) continue;
-    for (int k = kFineChroma; k < kCoarseChroma; ++k)
-      q[k] = 0.25f * p[std::max(k - 1, kFineChroma)] + 0.5f * p[k] +
-             0.25f * p[std::min(k + 1, kCoarseChroma - 1)];
+    constexpr int kFirst = kFineChroma, kLast = kCoarseChroma - 1;
+    q[kFirst] = 0.25f * p[kFirst] + 0.5f * p[kFirst] + 0.25f * p[kFirst + 1];
+    for (int k = kFirst + 1; k < kLast; ++k)
+      q[k] = 0.25f * p[k - 1] + 0.5f * p[k] + 0.25f * p[k + 1];
+    q[kLast] = 0.25f * p[kLast - 1] + 0.5f * p[kLast] + 0.25f * p[kLast];
   }
   // In place: of the rows along a channel, the one below as it was is kept aside.
   const auto along = [&](int first, int stride, int levels) {
