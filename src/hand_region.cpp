@@ -27,6 +27,7 @@ void RegionFinder::reserve(int max_pixels, int max_side) {
   for (Mask* m : {&mask_, &colored_, &opened_, &scratch_}) m->reserve(max_pixels, max_side);
   runs_.resize(std::min(kMaxRuns, max_pixels / 2 + max_side));
   for (auto& row : rows_) row.resize(max_side);
+  looked_up_.resize(max_side + 2);
   for (auto* flags : {&flags_, &colored_flags_}) flags->resize(max_side + 64);
   distance_.resize((2 * kDeepestAcross + 2) * (2 * kDeepestAcross + 2));
 }
@@ -49,15 +50,14 @@ void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> 
   const std::int8_t* table = ratios.data();
   // Sliding 3x3 sum: rows_[v % 3] holds row v summed over three columns, edges repeated.
   const auto sum_row = [&](int v) {
-    std::int16_t* to = rows_[v % 3].data();
+    // Looked up one by one, summed in vectors.
+    std::int16_t* __restrict to = rows_[v % 3].data(), * __restrict ratio = looked_up_.data() + 1;
     const ColorBin* bin = image.bins.data() + static_cast<std::ptrdiff_t>(v) * w;
-    int left = table[bin[0]], middle = left;
-    for (int u = 0; u < w; ++u) {
-      const int right = u + 1 < w ? table[bin[u + 1]] : middle;
-      to[u] = static_cast<std::int16_t>(left + middle + right);
-      left = middle;
-      middle = right;
-    }
+    for (int u = 0; u < w; ++u) ratio[u] = table[bin[u]];
+    ratio[-1] = ratio[0];
+    ratio[w] = ratio[w - 1];
+    for (int u = 0; u < w; ++u)
+      to[u] = static_cast<std::int16_t>(ratio[u - 1] + ratio[u] + ratio[u + 1]);
   };
   if (h > 0) sum_row(0);
   for (int v = 0; v < h; ++v) {

@@ -91,7 +91,8 @@ class RegionFinder {
   Mask mask_;
   Mask colored_;  ///< the mask before edges cut it
   Mask opened_, scratch_;
-  std::vector<std::int16_t> rows_[3];                ///< three rows of horizontally summed ratios
+  std::vector<std::int16_t> rows_[3];    ///< three rows of horizontally summed ratios
+  std::vector<std::int16_t> looked_up_;  ///< ratios of one row, with one more at each end
   std::vector<std::uint8_t> flags_, colored_flags_;  ///< a row of the masks before it is packed
   std::vector<Run> runs_;
   int run_count_ = 0;
