@@ -25,14 +25,14 @@ enum class PoseMethod : std::uint8_t {
 /// What is not known of a hand, as standard deviations.
 struct PoseConfig {
   PoseMethod method = PoseMethod::points;
-  double spread_sigma_rad = 0.045;     ///< turn of a finger about its knuckle; `points` only
+  double spread_sigma_rad = 0.050;     ///< turn of a finger about its knuckle; `points` only
   double tip_radius_m = kTipRadius_m;  ///< of the fingers' round ends; `points` only
   double web_radius_m = kWebRadius_m;  ///< of the web between them, from back to palm
   double tip_sigma_m = 0.001;      ///< of the ends of fingers in the hand plane, where the model's
                                    ///< tips_sigma_m says nothing
   double valley_sigma_m = 0.001;   ///< valleys are skin: how far they move in the hand plane
-  double valley_wander_m = 0.015;  ///< and by how much more where the hand is seen edge on
-  double valley_stretch = 6;       ///< times as far along the fingers: valleys are narrow, what
+  double valley_wander_m = 0.020;  ///< and by how much more where the hand is seen edge on
+  double valley_stretch = 5;       ///< times as far along the fingers: valleys are narrow, what
                                    ///< moves their sides a little moves their ends by more
   double relief_sigma_m = 0.001;   ///< height of each point over the hand plane against the model's
   double huber = 2.5;              ///< points more standard deviations off than this weigh less
