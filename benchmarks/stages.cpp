@@ -33,19 +33,13 @@ Scene make_scene() {
     s.result = tracker.process(view(frame), time_s += 0.03);
 
   const HandMask seen = tracker.mask();
-  s.mask.reserve(seen.width * seen.height, std::max(seen.width, seen.height));
-  s.mask.resize(seen.width, seen.height);
-  std::vector<std::uint8_t> flags(static_cast<std::size_t>(seen.width) + 64);
-  s.component.v0 = -1;
-  for (int v = 0; v < seen.height; ++v) {
-    for (int u = 0; u < seen.width; ++u) flags[u] = seen.data[v * seen.stride_bytes + u] != 0;
-    s.mask.set_row(v, flags.data());
-    if (s.component.v0 >= 0 || s.mask.next_set(v, 0) >= seen.width) continue;
-    s.component.v0 = v;
-    s.component.first_u = s.mask.next_set(v, 0);
-  }
+  s.mask.pack(seen.data, seen.width, seen.height, seen.stride_bytes);
+  s.component.v0 = 0;
+  while (s.component.v0 < seen.height && s.mask.next_set(s.component.v0, 0) >= seen.width)
+    ++s.component.v0;
+  if (s.component.v0 < seen.height) s.component.first_u = s.mask.next_set(s.component.v0, 0);
   s.contour.reserve(1 << 14);
-  if (s.component.v0 < 0 || !s.contour.trace(s.mask, s.component)) return s;
+  if (s.component.v0 == seen.height || !s.contour.trace(s.mask, s.component)) return s;
   const auto& tips = s.result.tips;
   s.palm_radius = static_cast<float>(0.23 * (tips[0].px - tips[4].px).norm());
   const int pixels = s.picture.rows * s.picture.cols;

@@ -33,16 +33,6 @@ void RegionFinder::reserve(int max_pixels, int max_side) {
 }
 
 void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> ratios,
-                            int threshold) noexcept {
-  mask_.resize(image.width, image.height);
-  const ColorBin* bin = image.bins.data();
-  for (int v = 0; v < image.height; ++v) {
-    for (int u = 0; u < image.width; ++u) flags_[u] = ratios[*bin++] > threshold;
-    mask_.set_row(v, flags_.data());
-  }
-}
-
-void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> ratios,
                             const ExpectedRegion& expected) noexcept {
   const int w = image.width, h = image.height;
   mask_.resize(w, h);

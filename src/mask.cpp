@@ -95,6 +95,15 @@ void Mask::clear_run(int v, int u0, int u1) noexcept {
   }
 }
 
+void Mask::pack(const std::uint8_t* from, int new_width, int new_height,
+                std::ptrdiff_t stride_bytes) {
+  reserve(new_width * new_height, std::max(new_width, new_height));
+  resize(new_width, new_height);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      if (from[v * stride_bytes + u] != 0) row(v)[u >> 6] |= Word{1} << (u & 63);
+}
+
 void Mask::unpack(std::uint8_t* to) const noexcept {
   for (int v = 0; v < height; ++v) {
     std::memset(to, 0, width);

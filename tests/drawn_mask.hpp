@@ -16,16 +16,13 @@ struct DrawnMask {
   /// `inside(u, v)`: whether the centre of pixel (u, v) belongs to the mask.
   template <class Inside>
   DrawnMask(int width, int height, const Inside& inside) {
-    BinImage image;
-    image.width = width;
-    image.height = height;
-    image.bins.reserve(static_cast<std::size_t>(width) * height);
+    std::vector<std::uint8_t> pixels;
     for (int v = 0; v < height; ++v)
-      for (int u = 0; u < width; ++u) image.bins.push_back(inside(u, v) ? 1 : 0);
-    std::vector<std::int8_t> ratios(kBinCount, -1);
-    ratios[1] = 1;
+      for (int u = 0; u < width; ++u) pixels.push_back(inside(u, v) ? 255 : 0);
+    Mask mask;
+    mask.pack(pixels.data(), width, height, width);
     region.reserve(width * height);
-    region.classify(image, ratios, 0);
+    region.classify(mask);
     contour.reserve(1 << 15);
   }
 

@@ -36,13 +36,7 @@ cv::Mat likelihood(const cv::Mat& bgr, std::span<const std::int8_t> ratios) {
 /// The tracker's mask in the form that the stages want.
 Mask packed(const HandMask& from) {
   Mask mask;
-  mask.reserve(from.width * from.height, std::max(from.width, from.height));
-  mask.resize(from.width, from.height);
-  std::vector<std::uint8_t> flags(std::size_t(from.width) + 64);
-  for (int v = 0; v < mask.height; ++v) {
-    for (int u = 0; u < mask.width; ++u) flags[u] = from.data[v * from.stride_bytes + u] != 0;
-    mask.set_row(v, flags.data());
-  }
+  mask.pack(from.data, from.width, from.height, from.stride_bytes);
   return mask;
 }
 

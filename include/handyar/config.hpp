@@ -20,7 +20,7 @@ struct AcquisitionConfig {
   double remember_s = 3.0;
   double coast_s = 0.2;             ///< how long a lost hand is still looked for where it was
   double max_missing_tip_s = 0.25;  ///< how long four tips will do
-  double max_residual_m = 0.0045;   ///< of the pose of a measured hand, rms over its points
+  double max_residual_m = 0.0045;   ///< of the pose of a measured hand, rms over its fingertips
 };
 
 /// All settings, a struct per stage; the defaults are what the command line uses.

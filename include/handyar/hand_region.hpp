@@ -48,9 +48,6 @@ class RegionFinder {
   /// mask = what was classified elsewhere.
   void classify(const Mask& mask) noexcept { mask_.copy(mask); }
 
-  /// mask = ratio of the bin > threshold (eighths of a nat).
-  void classify(const BinImage& image, std::span<const std::int8_t> ratios, int threshold) noexcept;
-
   /// mask = ratio of the bin, averaged over 3x3 pixels, and of the place together > 0. Outside the
   /// hand's inside, edges in the picture cut the region, so that it does not run out into what has
   /// the hand's colour.

@@ -22,10 +22,11 @@ struct HandSearchConfig {
 };
 
 /// Finds a hand without knowing its colour (paper 2.1 and 2.2, but by shape rather than by one
-/// threshold). Every reading of the frame's colours proposes regions: the skin model, the prior,
-/// the prior against this scene's own colours, brightness, redness and blueness, each cut at
-/// several thresholds, and the colours of patches of the frame against the whole frame. The region
-/// whose contour is most like a hand wins. Readings take turns from frame to frame.
+/// threshold). Every reading of the frame's colours proposes regions: the skin model, the learned
+/// hand against this scene's own colours, the prior, the prior against the scene, brightness,
+/// redness and blueness, each cut at several thresholds, and the colours of patches of the frame
+/// against the whole frame. The region whose contour is most like a hand wins. What was learned is
+/// read in every frame, the other readings take turns.
 class HandSearch {
  public:
   HandSearch(const HandSearchConfig& config, const FingertipConfig& fingertips,

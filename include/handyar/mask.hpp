@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -42,6 +43,9 @@ struct Mask {
     return u < width ? next(row(v), u, 0, (width - 1) >> 6) : width;
   }
   int next_clear(int v, int u) const noexcept { return next(row(v), u, ~std::uint64_t{0}, stride); }
+
+  /// Becomes the bytes that are not 0, rows `stride_bytes` apart. Takes memory.
+  void pack(const std::uint8_t* from, int new_width, int new_height, std::ptrdiff_t stride_bytes);
 
   /// Bytes of 255 (set) and 0, row by row without margin.
   void unpack(std::uint8_t* to) const noexcept;
