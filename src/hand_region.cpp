@@ -96,6 +96,25 @@ void RegionFinder::grow_back(int radius) noexcept {
   intersect(mask_, colored_);
 }
 
+const Component* RegionFinder::segment(const BinImage& image, std::span<const std::int8_t> ratios,
+                                       const ExpectedRegion& expected, const Eigen::Vector2f& palm,
+                                       float finger_width, int min_area) noexcept {
+  classify(image, ratios, expected);
+  remove_thin(std::max(1, static_cast<int>(0.14f * finger_width + 0.5f)));
+  const Component* hand = keep_at(palm, min_area);
+  if (hand == nullptr || expected.one_for_all()) return hand;
+  // Edges have cut the region: its border comes back, what hung on by a thread does not.
+  grow_back(static_cast<int>(0.18f * finger_width + 0.5f));
+  return keep_at(palm, min_area);
+}
+
+const Component* RegionFinder::keep_at(const Eigen::Vector2f& p, int min_area) noexcept {
+  components(min_area);
+  const Component* component = component_at(static_cast<int>(p.x()), static_cast<int>(p.y()));
+  if (component != nullptr) keep_only(*component);
+  return component;
+}
+
 int RegionFinder::root(int run) noexcept {
   while (runs_[run].label != run) run = runs_[run].label = runs_[runs_[run].label].label;
   return run;

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "skin_samples.hpp"
+
 namespace handyar {
 namespace {
 
@@ -60,16 +62,26 @@ HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fi
       patch_(kCoarseCount),
       patch_smooth_(kCoarseCount),
       marks_(kBinCount),
-      masks_(std::min(config.readings_per_frame + kMaxLearned, kMaxAtOnce)) {}
+      masks_(std::min(config.readings_per_frame + kMaxLearned, kMaxAtOnce)),
+      outlines_(config.outlines),
+      samples_(std::make_unique<SkinSamples>()) {}
+
+HandSearch::~HandSearch() = default;
 
 void HandSearch::reserve(int max_pixels, int max_side) {
   region_.reserve(max_pixels, max_side);
   for (Mask& mask : masks_) mask.reserve(max_pixels, max_side);
-  scratch_mask_.reserve(max_pixels, max_side);
+  for (Mask* mask : {&scratch_mask_, &found_mask_}) mask->reserve(max_pixels, max_side);
+  for (BinImage* part : {&around_, &found_around_}) part->bins.resize(max_pixels);
+  outlines_.reserve(max_pixels, max_side);
+  expectation_.ratios.resize(max_pixels / 4 + max_side);
   contour_.reserve(1 << 13);
 }
 
-void HandSearch::reset() noexcept { next_ = 0; }
+void HandSearch::reset() noexcept {
+  next_ = 0;
+  outlines_.reset();
+}
 
 void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexcept {
   if (!fixed_channels_ready_) {
@@ -245,26 +257,70 @@ std::span<const Component> HandSearch::components_of(int mask) noexcept {
   return region_.components(static_cast<int>(config_.min_area_share * pixels));
 }
 
-bool HandSearch::try_mask(int mask, HandShape& best, Component& best_component) noexcept {
+bool HandSearch::try_region(float palm_radius, HandShape& best) noexcept {
+  curvature_.find(contour_, palm_radius);
+  HandShape shape;
+  if (!find_hand_shape(curvature_, contour_, region_.mask(), palm_radius, shape_model_,
+                       shape_config_, shape) ||
+      shape.deviation >= best.deviation)
+    return false;
+  best = shape;
+  return true;
+}
+
+bool HandSearch::try_mask(int mask, HandShape& best) noexcept {
   const int pixels = masks_[mask].width * masks_[mask].height;
-  bool found = false;
+  const Component* winner = nullptr;
   for (const Component& c : components_of(mask)) {
     if (c.area > 0.7 * pixels || !contour_.trace(region_.mask(), c) || !may_be_hand(c, contour_))
       continue;
     const Disc disc = region_.deepest(c);
     // The deepest point may lie in a forearm or in something that hangs together with the hand.
-    for (const float scale : {1.0f, 0.6f}) {
-      if (disc.radius * scale < kLeastPalm) continue;
-      curvature_.find(contour_, disc.radius * scale);
-      HandShape shape;
-      if (!find_hand_shape(curvature_, contour_, region_.mask(), disc.radius * scale, shape_model_,
-                           shape_config_, shape) ||
-          shape.deviation >= best.deviation)
-        continue;
-      best = shape;
-      best_component = c;
-      found = true;
-    }
+    for (const float scale : {1.0f, 0.6f})
+      if (disc.radius * scale > kLeastPalm && try_region(disc.radius * scale, best)) winner = &c;
+  }
+  if (winner == nullptr) return false;
+  region_.keep_only(*winner);
+  found_mask_.copy(region_.mask());
+  return true;
+}
+
+/// The region whose colours are those along the proposed hand's fingers rather than those around
+/// it, wherever it reaches and then where the hand should be.
+bool HandSearch::try_proposal(const BinImage& image, const HandShape& proposal,
+                              HandShape& best) noexcept {
+  const Eigen::AlignedBox2f box = proposal.bounds();
+  const int margin = static_cast<int>(proposal.palm_radius());
+  const int u0 = std::clamp(int(box.min().x()) - margin, 0, image.width);
+  const int v0 = std::clamp(int(box.min().y()) - margin, 0, image.height);
+  around_.width = std::clamp(int(box.max().x()) + margin, u0, image.width) - u0;
+  around_.height = std::clamp(int(box.max().y()) + margin, v0, image.height) - v0;
+  around_.step_px = image.step_px;
+  around_.x0_px = image.x0_px + u0 * image.step_px;
+  around_.y0_px = image.y0_px + v0 * image.step_px;
+  for (int v = 0; v < around_.height; ++v)
+    std::copy_n(image.bins.begin() + (v0 + v) * image.width + u0, around_.width,
+                around_.bins.begin() + v * around_.width);
+  const HandShape hand = proposal.transformed(1, -Eigen::Vector2f(float(u0), float(v0)));
+  sample_skin(around_, nullptr, hand, *samples_);
+  proposed_skin_.reset();
+  proposed_skin_.widen();
+  proposed_skin_.learn(samples_->hand, samples_->background);
+  hand.expect(around_.width, around_.height, expectation_);
+  const int min_area = static_cast<int>(config_.min_area_share * image.width * image.height);
+  bool found = false;
+  for (ExpectedRegion* where : {&anywhere_, &expectation_}) {
+    const Component* c = region_.segment(around_, proposed_skin_.ratios(), *where, hand.palm(),
+                                         hand.finger_width, min_area);
+    if (c == nullptr || !contour_.trace(region_.mask(), *c) ||
+        !try_region(hand.palm_radius(), best))
+      continue;
+    found_mask_.copy(region_.mask());
+    found = true;
+  }
+  if (found) {
+    std::swap(around_, found_around_);
+    found_image_ = &found_around_;
   }
   return found;
 }
@@ -289,16 +345,19 @@ bool HandSearch::find(const BinImage& image, const SkinModel& skin, HandShape& s
   for (int k = 1; k < learned; ++k) majority(masks_[k], scratch_mask_);
 
   shape.deviation = static_cast<float>(shape_config_.max_deviation);
-  Component component;
   int winner = -1;
   for (int k = 0; k < learned + turns; ++k)
-    if (try_mask(k, shape, component)) winner = k;
-  if (winner < 0) return false;
-  found_by_skin_ = winner < learned;
-  for (const Component& c : components_of(winner))
-    if (c.label == component.label) component = c;
-  region_.keep_only(component);
-  return true;
+    if (try_mask(k, shape)) winner = k;
+  found_by_skin_ = winner >= 0 && winner < learned;
+  found_image_ = &image;
+  bool found = winner >= 0;
+  if (shape.deviation < shape_config_.sure_deviation) return found;
+  for (const HandShape& proposal : outlines_.find(image)) {
+    if (!try_proposal(image, proposal, shape)) continue;
+    found_by_skin_ = false;
+    found = true;
+  }
+  return found;
 }
 
 }  // namespace handyar

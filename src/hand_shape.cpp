@@ -180,6 +180,13 @@ bool HandShape::resembles(const HandShape& other) const noexcept {
   return true;
 }
 
+bool HandShape::may_follow(const HandShape& last) const noexcept {
+  constexpr float kGrowth = 1.3f, kReach = 4;  // palm radii
+  return layout == last.layout && finger_width < kGrowth * last.finger_width &&
+         last.finger_width < kGrowth * finger_width &&
+         (palm() - last.palm()).norm() < kReach * last.palm_radius();
+}
+
 HandShape HandShape::transformed(float scale, const Eigen::Vector2f& offset) const noexcept {
   HandShape s = *this;
   for (auto& p : s.tips) p = scale * p + offset;
@@ -188,6 +195,18 @@ HandShape HandShape::transformed(float scale, const Eigen::Vector2f& offset) con
   s.image_hand.col(2) += offset;
   s.finger_width *= scale;
   return s;
+}
+
+HandShape average_hand_shape() noexcept {
+  HandShape hand;
+  for (int f = 0; f < kFingerCount; ++f) hand.tips[f] = hand_point(f, Layout::thumb_right);
+  for (int k = 0; k < kValleyCount; ++k)
+    hand.valleys[k] = hand_point(kFingerCount + k, Layout::thumb_right);
+  hand.tip_seen.fill(true);
+  hand.valley_seen.fill(true);
+  hand.image_hand << 1, 0, 0, 0, 1, 0;
+  hand.finger_width = kFingerWidth_m;
+  return hand;
 }
 
 HandShapeModel::HandShapeModel() { set_mean(kMean_mm.cast<double>() / 1000); }

@@ -6,13 +6,13 @@
 
 namespace handyar {
 
-void sample_skin(const BinImage& image, const Mask& mask, const HandShape& shape,
+void sample_skin(const BinImage& image, const Mask* mask, const HandShape& shape,
                  SkinSamples& samples) noexcept {
   samples.hand.clear();
   samples.background.clear();
   const auto take = [&](const Eigen::Vector2f& p) {
     const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
-    if (u < 0 || v < 0 || u >= mask.width || v >= mask.height) return;
+    if (u < 0 || v < 0 || u >= image.width || v >= image.height) return;
     if (samples.hand.size() < samples.hand.capacity())
       samples.hand.push_back(image.bins[static_cast<std::size_t>(v) * image.width + u]);
   };
@@ -37,11 +37,11 @@ void sample_skin(const BinImage& image, const Mask& mask, const HandShape& shape
   const int grid = std::max({2, static_cast<int>(shape.finger_width / 5),
                              static_cast<int>(std::sqrt(around.volume() / SkinSamples::kMax)) + 1});
   const int u0 = std::max(grid, int(around.min().x())), v0 = std::max(grid, int(around.min().y()));
-  const int u1 = std::min(mask.width - grid, int(around.max().x()));
-  const int v1 = std::min(mask.height - grid, int(around.max().y()));
+  const int u1 = std::min(image.width - grid, int(around.max().x()));
+  const int v1 = std::min(image.height - grid, int(around.max().y()));
   const auto region_near = [&](int u, int v) {
-    return mask.at(u, v) || mask.at(u - 2, v) || mask.at(u + 2, v) || mask.at(u, v - 2) ||
-           mask.at(u, v + 2);
+    return mask == nullptr || mask->at(u, v) || mask->at(u - 2, v) || mask->at(u + 2, v) ||
+           mask->at(u, v - 2) || mask->at(u, v + 2);
   };
   for (int v = v0; v < v1; v += grid)
     for (int u = u0; u < u1; u += grid) {

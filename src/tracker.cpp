@@ -45,9 +45,11 @@ struct HandTracker::Impl {
 
   // The stages, in the order of the paper's Figure 2.
   bool find_anywhere(const ImageView& frame) noexcept;
+  void forget_found() noexcept;
   bool read_neighbourhood(const ImageView& frame) noexcept;
   bool segment(bool where_expected) noexcept;
-  bool keep_hand(const Eigen::Vector2f& palm) noexcept;
+  bool adopt_found(const ImageView& frame) noexcept;
+  bool trace(const Component* hand) noexcept;
   bool find_fingertips() noexcept;
   bool match(bool anew) noexcept;
   void advance(bool seen) noexcept;
@@ -67,6 +69,7 @@ struct HandTracker::Impl {
     const float scale = 1.0f / static_cast<float>(bins.step_px);
     return shape_px.transformed(scale, -scale * bins.origin_px());
   }
+  int least_area() const noexcept { return bins.width * bins.height / 50; }
   const HandModel& hand(Layout layout) const noexcept { return hands[static_cast<int>(layout)]; }
 
   Config config;
@@ -108,11 +111,17 @@ struct HandTracker::Impl {
   int seen_frames = 0;
   double relief_evidence = 0;    // log odds that heights are the model's, not mirrored
   float acquired_deviation = 1;  // of the search's best view of the hand that is being acquired
+  struct {
+    HandShape shape;
+    bool following = false;
+    SkinModel::Learned skin;
+  } before_search;  // what was known, until what the search found is a hand at a closer look
 };
 
 void HandTracker::Impl::forget() noexcept {
   skin.reset();
   skin.keep(trusted_skin);
+  skin.keep(before_search.skin);
   search.reset();
   filter.reset();
   time_s = -std::numeric_limits<double>::infinity();
@@ -147,19 +156,22 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   read_bins(frame, {0, 0, width_px, height_px}, std::max(step, 2), bins);
   HandShape coarse;
   if (!search.find(bins, skin, coarse)) return false;
+  const BinImage& seen = search.image();
   const HandShape candidate =
-      coarse.transformed(static_cast<float>(bins.step_px), bins.origin_px());
-  if (following) {
+      coarse.transformed(static_cast<float>(seen.step_px), seen.origin_px());
+  if (following && state == State::acquiring) {
     if (candidate.resembles(shape)) {
       acquired_deviation = std::min(acquired_deviation, candidate.deviation);
       return false;
     }
     if (candidate.deviation > 0.9f * acquired_deviation) return false;
   }
+  before_search.shape = shape;
+  before_search.following = following;
+  skin.keep(before_search.skin);
+  following = following && state == State::lost && candidate.may_follow(shape);
+  if (!following) velocity_px_s.setZero();
   shape = candidate;
-  acquired_deviation = candidate.deviation;
-  velocity_px_s.setZero();
-  following = false;
   // Found by another reading, the hand is in a light that what was learned does not tell about.
   if (search.found_by_skin())
     skin.restore(trusted_skin);
@@ -167,8 +179,15 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
     skin.reset();
   skin.forget_background();
   skin.widen();
-  learn(bins, search.region().mask(), coarse);
+  learn(seen, search.mask(), coarse);
   return true;
+}
+
+/// What the search found was no hand at a closer look: all is as before.
+void HandTracker::Impl::forget_found() noexcept {
+  shape = before_search.shape;
+  following = before_search.following;
+  skin.restore(before_search.skin);
 }
 
 PixelRect HandTracker::Impl::region_of_interest(double dt_s) const noexcept {
@@ -202,25 +221,27 @@ bool HandTracker::Impl::read_neighbourhood(const ImageView& frame) noexcept {
 /// component and contour.
 bool HandTracker::Impl::segment(bool where_expected) noexcept {
   if (where_expected) expected.expect(bins.width, bins.height, expectation);
-  region.classify(bins, skin.ratios(), where_expected ? expectation : anywhere);
-  region.remove_thin(std::max(1, static_cast<int>(0.14f * expected.finger_width + 0.5f)));
-  if (!keep_hand(expected.palm())) return false;
-  if (where_expected) {
-    // Edges have cut the region: its border comes back, what hung on by a thread does not.
-    region.grow_back(static_cast<int>(0.18f * expected.finger_width + 0.5f));
-    if (!keep_hand(expected.palm())) return false;
-  }
-  return contour.trace(region.mask(), component);
+  const Component* hand =
+      region.segment(bins, skin.ratios(), where_expected ? expectation : anywhere, expected.palm(),
+                     expected.finger_width, least_area());
+  return trace(hand);
 }
 
-/// The component at `palm` alone.
-bool HandTracker::Impl::keep_hand(const Eigen::Vector2f& palm) noexcept {
-  if (region.components(bins.width * bins.height / 50).empty()) return false;
-  const Component* holder = region.component_at(int(palm.x()), int(palm.y()));
-  if (holder == nullptr) return false;
-  component = *holder;
-  region.keep_only(component);
-  return true;
+/// What the search found, as it saw it: leaves what segment() leaves.
+bool HandTracker::Impl::adopt_found(const ImageView& frame) noexcept {
+  const BinImage& seen = search.image();
+  const int step = seen.step_px;
+  read_bins(frame, {seen.x0_px, seen.y0_px, seen.width * step, seen.height * step}, step, bins);
+  before = expected = to_mask(shape);
+  region.classify(search.mask());
+  region.components(least_area());
+  return trace(region.component_at(int(before.palm().x()), int(before.palm().y())));
+}
+
+bool HandTracker::Impl::trace(const Component* hand) noexcept {
+  if (hand == nullptr) return false;
+  component = *hand;
+  return contour.trace(region.mask(), component);
 }
 
 /// Places where the contour turns as sharply as a fingertip (paper 2.2).
@@ -356,7 +377,7 @@ void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
 void HandTracker::Impl::learn(const BinImage& image, const Mask& mask,
                               const HandShape& hand_shape) noexcept {
   if (!std::ranges::all_of(hand_shape.valley_seen, [](bool seen) { return seen; })) return;
-  sample_skin(image, mask, hand_shape, samples);
+  sample_skin(image, &mask, hand_shape, samples);
   skin.learn(samples.hand, samples.background);
 }
 
@@ -416,12 +437,15 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
 
   const StageClock clock(t.config.now_s);
   StageTimes& times = result.times;
-  const auto look_at = [&](bool anew, bool where_expected) {
-    return clock.time(times.segmentation_ms, [&] { return t.segment(where_expected); }) &&
-           clock.time(times.fingertips_ms, [&] { return t.find_fingertips(); }) &&
+  const auto identify = [&](bool anew) {
+    return clock.time(times.fingertips_ms, [&] { return t.find_fingertips(); }) &&
            clock.time(times.matching_ms, [&] { return t.match(anew); }) &&
            (clock.time(times.fingertips_ms, [&] { t.measure_tips(result); }),
             clock.time(times.pose_ms, [&] { return t.estimate_pose(result); }));
+  };
+  const auto look_at = [&](bool anew, bool where_expected) {
+    return clock.time(times.segmentation_ms, [&] { return t.segment(where_expected); }) &&
+           identify(anew);
   };
   // By colour alone; unless that is surely a hand, by place and edges too: the more hand-like wins.
   const auto look = [&](bool anew) {
@@ -436,14 +460,25 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   const auto search = [&] {
     return clock.time(times.segmentation_ms, [&] { return t.find_anywhere(frame); });
   };
-  // What the search finds is rough: its colours are learned and the hand is looked at again.
+  // What the search finds is rough: its colours are learned and the hand is looked at again. If
+  // that does not tell it from what surrounds it, what the search saw must do.
   const auto look_anew = [&] {
+    const HandShape found = t.shape;
     bool seen = look(true);
     for (int again = 0; !seen && again < 2 && t.promising; ++again) {
       t.shape = t.to_input(t.found);
       t.learn(t.bins, t.region.mask(), t.found);
       seen = look(true);
     }
+    if (!seen && found.deviation < t.config.shape.max_deviation) {
+      t.shape = found;
+      seen =
+          clock.time(times.segmentation_ms, [&] { return t.adopt_found(frame); }) && identify(true);
+    }
+    if (seen)
+      t.acquired_deviation = found.deviation;
+    else
+      t.forget_found();
     return seen;
   };
   bool seen = false;

@@ -19,6 +19,7 @@ struct ExpectedRegion {
   int cell = 1 << 14, columns = 1;
   std::vector<std::int8_t> ratios = {0};  ///< row by row
 
+  bool one_for_all() const noexcept { return columns == 1; }
   const std::int8_t* row(int v) const noexcept { return ratios.data() + v / cell * columns; }
 };
 
@@ -68,6 +69,13 @@ class RegionFinder {
   /// The component that holds (u, v) or else the one nearest to it; null when there is none.
   const Component* component_at(int u, int v) const noexcept;
 
+  /// Segmentation of a hand (paper 2.1) whose palm is about `palm` and whose fingers are
+  /// `finger_width` wide: mask = the component there alone. Null when nothing of at least
+  /// `min_area` pixels is there.
+  const Component* segment(const BinImage& image, std::span<const std::int8_t> ratios,
+                           const ExpectedRegion& expected, const Eigen::Vector2f& palm,
+                           float finger_width, int min_area) noexcept;
+
   /// Clears all other components from the mask.
   void keep_only(const Component& component) noexcept;
 
@@ -77,6 +85,7 @@ class RegionFinder {
   const Mask& mask() const noexcept { return mask_; }
 
  private:
+  const Component* keep_at(const Eigen::Vector2f& p, int min_area) noexcept;
   struct Run {
     std::int16_t v, u0, u1;  ///< u0 <= u < u1
     std::int16_t label;      ///< union-find parent, then component label

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,38 +11,47 @@
 #include "handyar/fingertips.hpp"
 #include "handyar/hand_region.hpp"
 #include "handyar/hand_shape.hpp"
+#include "handyar/outline_search.hpp"
 #include "handyar/skin_model.hpp"
 
 namespace handyar {
+
+struct SkinSamples;
 
 struct HandSearchConfig {
   int longer_side = 320;          ///< frames are reduced to about this many pixels
   double min_area_share = 0.008;  ///< of the frame, for a region to be looked at
   double max_deviation = 1.7;     ///< as HandShapeConfig's, but only to be worth a closer look
   int readings_per_frame = 16;    ///< more find a hand sooner and cost more
+  OutlineSearchConfig outlines;
 };
 
 /// Finds a hand without knowing its colour (paper 2.1 and 2.2, but by shape rather than by one
 /// threshold). Every reading of the frame's colours proposes regions: the skin model, the learned
 /// hand against this scene's own colours, the prior, the prior against the scene, brightness,
 /// redness and blueness, each cut at several thresholds, and the colours of patches of the frame
-/// against the whole frame. The region whose contour is most like a hand wins. What was learned is
-/// read in every frame, the other readings take turns.
+/// against the whole frame. Where the picture's edges look like a hand's outline, the colours there
+/// against those around propose regions too: a hand half in the sun has no colour of its own. The
+/// region whose contour is most like a hand wins. What was learned is read in every frame, the
+/// other readings and the directions of outlines take turns.
 class HandSearch {
  public:
   HandSearch(const HandSearchConfig& config, const FingertipConfig& fingertips,
              const HandShapeConfig& shape, const HandShapeModel& model = {});
+  ~HandSearch();
   void reserve(int max_pixels, int max_side = 4096);
   void reset() noexcept;
 
-  /// True when a hand-like region was found. `shape` is then in pixels of `image`, and
-  /// region().mask() holds its region alone.
+  /// True when a hand-like region was found: `shape` is then in pixels of image(), and mask() holds
+  /// its region alone.
   bool find(const BinImage& image, const SkinModel& skin, HandShape& shape) noexcept;
 
   /// What was found was found by the colours that the skin model has learned.
   bool found_by_skin() const noexcept { return found_by_skin_; }
 
-  const RegionFinder& region() const noexcept { return region_; }
+  /// Where it was found: the image that was searched, which must still be there, or a part of it.
+  const BinImage& image() const noexcept { return *found_image_; }
+  const Mask& mask() const noexcept { return found_mask_; }
 
  private:
   using Channel = std::array<std::int8_t, kBinCount>;
@@ -61,7 +71,9 @@ class HandSearch {
   void mark_bins(const BinImage& image, std::span<const Reading> readings) noexcept;
   void draw_masks(const BinImage& image, int count) noexcept;
   std::span<const Component> components_of(int mask) noexcept;
-  bool try_mask(int mask, HandShape& best, Component& best_component) noexcept;
+  bool try_region(float palm_radius, HandShape& best) noexcept;
+  bool try_mask(int mask, HandShape& best) noexcept;
+  bool try_proposal(const BinImage& image, const HandShape& proposal, HandShape& best) noexcept;
 
   HandSearchConfig config_;
   HandShapeConfig shape_config_;
@@ -81,7 +93,14 @@ class HandSearch {
   int next_ = 0;                      ///< whose turn it is
   std::vector<std::uint32_t> marks_;  ///< of each bin, a bit for each of this frame's readings
   std::vector<Mask> masks_;
-  Mask scratch_mask_;
+  Mask scratch_mask_, found_mask_;
+  const BinImage* found_image_ = nullptr;
+  OutlineSearch outlines_;
+  BinImage around_, found_around_;  ///< a proposal: the part of the image that holds it
+  SkinModel proposed_skin_;         ///< its colours
+  std::unique_ptr<SkinSamples> samples_;
+  ExpectedRegion expectation_;
+  ExpectedRegion anywhere_{.ratios = {ExpectedRegion::kInside}};
   bool fixed_channels_ready_ = false;
 };
 

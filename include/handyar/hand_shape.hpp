@@ -54,12 +54,18 @@ struct HandShape {
   /// True when all tips lie within a fifth of the span of the other shape's, fingers the same.
   bool resembles(const HandShape& other) const noexcept;
 
+  /// True when a hand that looked like `last` may look like this a few frames later.
+  bool may_follow(const HandShape& last) const noexcept;
+
   /// The same shape in other pixels: p -> scale * p + offset.
   HandShape transformed(float scale, const Eigen::Vector2f& offset) const noexcept;
   Eigen::Vector2f to_image(const Eigen::Vector2f& p_hand_m) const noexcept {
     return image_hand.leftCols<2>() * p_hand_m + image_hand.col(2);
   }
 };
+
+/// The average outstretched hand, thumb_right: in metres of its own plane instead of pixels.
+HandShape average_hand_shape() noexcept;
 
 /// What outstretched hands look like, or one measured hand: nine points in a plane and how they
 /// vary once the best affine map is taken off.
