@@ -71,8 +71,8 @@ struct PoseEstimate {
   Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
 
   /// Order: rotation (rad), translation (m). The rotation error is on the left, in camera axes:
-  /// R_true = exp([w]x) R, t_true = t + d. Grows with what the model cannot explain, and with the
-  /// probability of the other hypotheses.
+  /// R_true = exp([w]x) R, t_true = t + d. Shrinks and grows with how well the points agree with
+  /// the model, and grows with the probability of the other hypotheses.
   Matrix6d covariance = Matrix6d::Zero();
 
   /// The part of `covariance` that comes from pixel noise and is new in each frame; the rest stays
@@ -94,8 +94,8 @@ struct PoseEstimate {
   /// positive; zero for methods that do not estimate it.
   std::array<double, kFingerCount> spread_rad{};
 
-  /// Evidence of this frame for the model's relief against the mirrored one: log of the likelihood
-  /// ratio, for the tracker to add up; 0 when only one was tried.
+  /// Evidence of this frame alone for the model's relief against the mirrored one: log of the
+  /// likelihood ratio, for the tracker to add up; 0 when only one was tried.
   double relief_log_ratio = 0.0;
 
   int points_used = 0;
