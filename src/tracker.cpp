@@ -345,9 +345,7 @@ bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
 }
 
 void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
-  // While colours are still being learned the outline is rough, and which face shows seems wrong.
-  if (state == State::tracking && result.raw_pose &&
-      std::isfinite(result.raw_pose->relief_log_ratio)) {
+  if (result.raw_pose && std::isfinite(result.raw_pose->relief_log_ratio)) {
     // Errors of neighbouring frames are alike: each counts for a fraction.
     constexpr double kShare = 0.2, kLimit = 6.0;
     relief_evidence =
