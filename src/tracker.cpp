@@ -319,7 +319,7 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
 bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   HandObservation observation;
   // By which share of a finger's width tips and valleys move from frame to frame when nothing does.
-  constexpr double kTipNoise = 0.015, kValleyNoise = 0.025;
+  constexpr double kTipNoise = 0.018, kValleyNoise = 0.025;
   const double finger_px = bins.step_px * std::max(found.finger_width, 10.0f);
   for (int f = 0; f < kFingerCount; ++f)
     observation.tips[f] = {result.tips[f].px, kTipNoise * finger_px, result.tips[f].seen};
