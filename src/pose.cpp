@@ -150,6 +150,18 @@ Hypotheses solve_without_outlier(PosePoints& points, const Camera& camera, doubl
   return best;
 }
 
+/// How much better or worse than stated the points agree with the model, as a factor of its
+/// covariance. Few points tell it, so it starts from what is stated, as if that were the size of so
+/// many residuals more; and the errors of a hand's points are alike, so they disagree by less than
+/// they are off.
+double model_scale(double chi2, double degrees_of_freedom) {
+  constexpr double kAsStated = 3, kAlike = 4;
+  return (kAsStated + kAlike * chi2) / (kAsStated + degrees_of_freedom);
+}
+
+/// The size of a hand is known to this share, and with it the distance: no disagreement shows it.
+constexpr double kScaleSigma = 0.006;
+
 PoseEstimate summarise(const Hypotheses& h, const PosePoints& points, const Camera& camera) {
   const FittedPose& best = h.pose[0];
   PoseEstimate e;
@@ -157,13 +169,18 @@ PoseEstimate summarise(const Hypotheses& h, const PosePoints& points, const Came
   e.rms_px = best.rms_px;
   e.reduced_chi2 = h.reduced_chi2();
   e.points_used = points.count;
-  e.covariance = best.covariance * std::max(1.0, e.reduced_chi2);
   e.noise_covariance = best.noise_covariance * std::max(1.0, e.reduced_chi2);
+  const Eigen::Vector3d scale_m = kScaleSigma * best.T_camera_hand.translation();
+  e.covariance = e.noise_covariance + model_scale(best.chi2, h.degrees_of_freedom()) *
+                                          (best.covariance - best.noise_covariance);
+  e.covariance.bottomRightCorner<3, 3>() += scale_m * scale_m.transpose();
   if (h.count == 2) {
     e.ambiguity = best.rms_px / std::max(h.pose[1].rms_px, 1e-12);
     const double probability = 1 / (1 + std::exp(0.5 * (h.deviance[1] - h.deviance[0])));
     const Vector6d d = difference(best.T_camera_hand, h.pose[1].T_camera_hand);
-    e.covariance += probability * d * d.transpose();
+    const Matrix6d ambiguous = probability * d * d.transpose();
+    e.covariance += ambiguous;
+    e.noise_covariance += ambiguous;  // the noise decides which of the two it is
   }
   for (const PosePoint& p : points)
     if (p.finger >= 0) e.spread_rad[p.finger] = spread_rad(p, camera, best.T_camera_hand);
@@ -181,6 +198,7 @@ PoseEstimate mixture(const PoseEstimate& a, const PoseEstimate& b, double probab
   e.T_camera_hand.translation() += q * d.tail<3>();
   e.covariance =
       probability_a * a.covariance + q * b.covariance + probability_a * q * d * d.transpose();
+  e.rms_px = std::min(a.rms_px, b.rms_px);  // while it is not known which, either may explain
   return e;
 }
 
@@ -202,12 +220,12 @@ std::optional<PoseEstimate> estimate_pose(const HandObservation& observation, co
   if (p_model > 0 || flat) {
     const Hypotheses h = solve_without_outlier(*points, camera, config.huber, prior);
     if (h.count > 0) by_model = summarise(h, *points, camera);
-    if (h.count > 0) deviance_model = h.deviance[0];
+    if (h.count > 0) deviance_model = h.pose[0].deviance;
   }
   if (p_model < 1 && !flat) {
     const Hypotheses h = solve_without_outlier(mirrored, camera, config.huber, prior);
     if (h.count > 0) by_mirrored = summarise(h, mirrored, camera);
-    if (h.count > 0) deviance_mirrored = h.deviance[0];
+    if (h.count > 0) deviance_mirrored = h.pose[0].deviance;
   }
   if (!by_model) return by_mirrored;
   if (!by_mirrored) return by_model;

@@ -19,8 +19,8 @@ using Matrix12d = MotionState::Matrix12d;
 // An acceleration lasts about this long, so its square times this is a spectral density.
 constexpr double kAccelerationLasts_s = 0.1;
 // Accelerations of the levels, as shares of the greatest. The first is the hand at rest: there its
-// velocity is zero and its place drifts a little.
-constexpr std::array<double, 3> kLevelShare{0.0, 0.03, 1.0};
+// velocity is zero and its place drifts a little. The second is a hand that is meant to be at rest.
+constexpr std::array<double, 4> kLevelShare{0.0, 0.003, 0.05, 1.0};
 constexpr double kDrift_m2_s = 1.6e-4 * 1.6e-4, kDrift_rad2_s = 1.7e-3 * 1.7e-3;
 // How long a level lasts in the mean.
 constexpr double kLevelLasts_s = 1.0;

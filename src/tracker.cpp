@@ -339,11 +339,14 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
 /// Camera pose relative to the hand (paper 2.5). False when a measured hand cannot look like this.
 bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   HandObservation observation;
-  const double step = bins.step_px;
+  // By which share of a finger's width tips and valleys move from frame to frame when nothing does.
+  constexpr double kTipNoise = 0.018, kValleyNoise = 0.025;
+  const double finger_px = bins.step_px * std::max(found.finger_width, 10.0f);
   for (int f = 0; f < kFingerCount; ++f)
-    observation.tips[f] = {result.tips[f].px, 0.5 * step, result.tips[f].seen};
+    observation.tips[f] = {result.tips[f].px, kTipNoise * finger_px, result.tips[f].seen};
   for (int k = 0; k < kValleyCount; ++k)
-    observation.valleys[k] = {result.valleys[k].px, 0.6 * step, result.valleys[k].seen};
+    observation.valleys[k] = {result.valleys[k].px, kValleyNoise * finger_px,
+                              result.valleys[k].seen};
   PosePrior prior;
   if (const auto predicted = filter.predict(time_s))
     prior.prediction = PosePrediction{predicted->T_camera_hand, predicted->covariance};
@@ -365,7 +368,7 @@ bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
 void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
   if (result.raw_pose && std::isfinite(result.raw_pose->relief_log_ratio)) {
     // Errors of neighbouring frames are alike: each counts for a fraction.
-    constexpr double kShare = 0.1, kLimit = 6.0;
+    constexpr double kShare = 0.2, kLimit = 6.0;
     relief_evidence =
         std::clamp(relief_evidence + kShare * result.raw_pose->relief_log_ratio, -kLimit, kLimit);
   }
@@ -393,6 +396,7 @@ void HandTracker::Impl::advance(bool seen) noexcept {
     } else {
       first_seen_s = time_s;
       seen_frames = 0;
+      filter.reset();
     }
     ++seen_frames;
     const bool confirmed =
@@ -488,7 +492,7 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
     seen = look_anew();
   t.advance(seen);
   result.state = t.state;
-  if (!seen || t.state != State::tracking) result.raw_pose.reset();
+  if (!seen) result.raw_pose.reset();
   t.contour_size = seen ? t.contour.size() : 0;
   for (int i = 0; i < t.contour_size; ++i) t.contour_px[i] = t.to_input(t.contour[i]);
   if (!seen) {
@@ -497,7 +501,12 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   } else {
     result.layout = t.found.layout;
     clock.time(times.segmentation_ms, [&] { t.learn(t.bins, t.region.mask(), t.found); });
-    if (t.state == State::tracking) clock.time(times.filter_ms, [&] { t.filter_pose(result); });
+    // While a hand is acquired the filter settles; who asks for a pose gets it once it is believed.
+    clock.time(times.filter_ms, [&] { t.filter_pose(result); });
+    if (t.state != State::tracking) {
+      result.raw_pose.reset();
+      result.pose.reset();
+    }
   }
   times.total_ms = clock.total_ms();
   return result;

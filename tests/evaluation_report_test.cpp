@@ -81,7 +81,7 @@ TEST(ShippedSequences, CompareIsTrackedAndAccurate) {
   EXPECT_GE(a.tracked_percent(), 95);
   EXPECT_LE(a.wrong_percent(), 1);
   EXPECT_EQ(a.falsely_tracked, 0);
-  EXPECT_LE(a.tip_px.median, 2.5);
+  EXPECT_LE(a.tip_px.median, 1.5);
 }
 
 TEST(ShippedSequences, SampleIsTrackedNoWorseThanBefore) {
@@ -92,11 +92,10 @@ TEST(ShippedSequences, SampleIsTrackedNoWorseThanBefore) {
   for (const auto source = io::open_input(s.video); source->read(frame);)
     track.push_back(tracker.process(frame.view(), frame.time_s));
   const Accuracy a = summarize(compare(*s.truth, s.hand, track));
-  // Guards against getting worse only; the aim is 95 % tracked and at most 1 % of them wrong.
-  EXPECT_GE(a.tracked_percent(), 80);
-  EXPECT_LE(a.wrong_percent(), 6);
+  EXPECT_GE(a.tracked_percent(), 95);
+  EXPECT_LE(a.wrong_percent(), 1);
   EXPECT_EQ(a.falsely_tracked, 0);
-  EXPECT_LE(a.tip_px.median, 2.5);
+  EXPECT_LE(a.tip_px.median, 1.5);
 }
 
 TEST(Report, EveryNumberIsARowOfTheCsv) {

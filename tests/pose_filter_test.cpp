@@ -113,11 +113,33 @@ TEST(PoseFilter, StandsStillWhenTheHandDoes) {
   const Figures little = run(at_rest, 30, 0.5, rng), much = run(at_rest, 30, 1.0, rng);
   EXPECT_LT(little.jitter_mm, 0.12);
   EXPECT_LT(little.jitter_deg, 0.09);
-  EXPECT_LT(much.jitter_mm, 0.2);
-  EXPECT_LT(much.jitter_deg, 0.14);
+  EXPECT_LT(much.jitter_mm, 0.15);
+  EXPECT_LT(much.jitter_deg, 0.11);
   EXPECT_LT(much.rms_mm, 0.4) << "no drift";
   EXPECT_LT(much.rms_deg, 0.3);
   EXPECT_EQ(little.refused + much.refused, 0);
+}
+
+// A hand that is held still moves by tenths of a millimetre; seen straight on, its tilt is noise.
+TEST(PoseFilter, TremorHardlyMakesItFollowTheNoiseOfTheTilt) {
+  auto rng = test::random_for("PoseFilter.TremorHardlyMakesItFollowTheNoiseOfTheTilt");
+  const Path trembling = [](double t) {
+    return displaced(5e-4 * std::sin(2 * std::numbers::pi * t), 0);
+  };
+  PoseFilter filter;
+  double square_deg2 = 0, square_mm2 = 0;
+  int n = 0;
+  for (int i = 0; i < 600; ++i) {
+    const double t = i / 30.0;
+    filter.update(t, measured(trembling(t), deg(2), 1e-4, rng));
+    if (t < 1) continue;
+    const auto e = test::pose_error(trembling(t), filter.predict(t)->T_camera_hand);
+    square_deg2 += e.head<3>().squaredNorm() * std::pow(180 / std::numbers::pi, 2) / 3;
+    square_mm2 += e.tail<3>().squaredNorm() * 1e6 / 3;
+    ++n;
+  }
+  EXPECT_LT(std::sqrt(square_deg2 / n), 0.6) << "of 2 degrees";
+  EXPECT_LT(std::sqrt(square_mm2 / n), 0.1);
 }
 
 TEST(PoseFilter, DoesNotLagWhenTheHandMoves) {

@@ -416,13 +416,17 @@ struct Consistency {
   double reduced_chi2 = 0;
 };
 
-/// Mean over views of 45 degrees of tilt of a hand that is uncertain exactly as the settings say.
-Consistency consistency(bool valleys, PoseMethod method, int n, std::mt19937& rng) {
+/// Mean over views of 45 degrees of tilt of a hand that is off its model by `times` what the
+/// settings say, each point by itself.
+Consistency consistency(bool valleys, PoseMethod method, double times, int n, std::mt19937& rng) {
   PoseConfig config;
   config.method = method;
   HandModel hand = rendered_hand();
   hand.has_valleys = valleys;
-  const double spread_sigma_rad = method == PoseMethod::tips ? 0.0 : config.spread_sigma_rad;
+  const double spread_sigma_rad =
+      method == PoseMethod::tips ? 0.0 : times * config.spread_sigma_rad;
+  const double tip_sigma_m = times * config.tip_sigma_m;
+  const double relief_sigma_m = times * config.relief_sigma_m;
   std::uniform_real_distribution<double> axis(0, 2 * std::numbers::pi);
   Consistency sum;
   for (int i = 0; i < n; ++i) {
@@ -430,18 +434,18 @@ Consistency consistency(bool valleys, PoseMethod method, int n, std::mt19937& rn
     for (double& t : turned) t = test::gauss(rng, spread_sigma_rad);
     HandModel actual = with_spread(hand, turned);
     for (int k = 0; k < kFingerCount; ++k)
-      actual.tips_m.col(k) += Eigen::Vector3d(test::gauss(rng, config.tip_sigma_m),
-                                              test::gauss(rng, config.tip_sigma_m),
-                                              test::gauss(rng, config.relief_sigma_m));
+      actual.tips_m.col(k) +=
+          Eigen::Vector3d(test::gauss(rng, tip_sigma_m), test::gauss(rng, tip_sigma_m),
+                          test::gauss(rng, relief_sigma_m));
     const Eigen::Isometry3d truth = hand_at(0.45, deg(45), axis(rng));
     const double wander_m = config.valley_wander_m * (1 - std::cos(deg(45)));
     for (int k = 0; k < kValleyCount; ++k) {
-      const double across_m = std::hypot(config.valley_sigma_m, wander_m);
+      const double across_m = times * std::hypot(config.valley_sigma_m, wander_m);
       const Eigen::Vector3d along = hand.valley_directions().col(k);
       actual.valleys_m.col(k) +=
           test::gauss(rng, config.valley_stretch * across_m) * along +
           test::gauss(rng, across_m) * along.cross(Eigen::Vector3d::UnitZ()) +
-          test::gauss(rng, config.relief_sigma_m) * Eigen::Vector3d::UnitZ();
+          test::gauss(rng, relief_sigma_m) * Eigen::Vector3d::UnitZ();
     }
     HandObservation seen = test::project(actual, rendered_camera(), truth, tip_radius_m(method));
     test::add_noise(seen, 0.5, rng);
@@ -458,15 +462,18 @@ Consistency consistency(bool valleys, PoseMethod method, int n, std::mt19937& rn
 
 TEST(Covariance, TellsTheTruth) {
   auto rng = test::random_for("Covariance.TellsTheTruth");
-  // Inflation by chi2 only ever enlarges, so the mean lies below 6; with 600 samples the 95 % band
-  // of a perfect covariance would be 6 +- 0.28.
+  // 6 where it is exact. The errors of a real hand's points are alike and disagree less than these,
+  // which are independent: here it is on the cautious side.
   for (const auto& [valleys, method] :
-       {std::pair{true, PoseMethod::points}, std::pair{false, PoseMethod::tips}}) {
-    const Consistency c = consistency(valleys, method, 600, rng);
-    EXPECT_GT(c.nees, 3.0) << valleys << int(method);
-    EXPECT_LT(c.nees, 6.5) << valleys << int(method);
-    EXPECT_NEAR(c.reduced_chi2, 1.0, 0.15) << valleys << int(method);
-  }
+       {std::pair{true, PoseMethod::points}, std::pair{false, PoseMethod::tips}})
+    for (const double times : {0.5, 1.0, 2.0}) {
+      const Consistency c = consistency(valleys, method, times, 600, rng);
+      EXPECT_GT(c.nees, 1.4) << valleys << int(method) << ' ' << times;
+      EXPECT_LT(c.nees, 5.0) << valleys << int(method) << ' ' << times;
+      if (times == 1) {
+        EXPECT_NEAR(c.reduced_chi2, 1.0, 0.15) << valleys << int(method);
+      }
+    }
 }
 
 TEST(Covariance, GrowsWithOneWrongTip) {
@@ -488,7 +495,7 @@ TEST(Covariance, GrowsWithOneWrongTip) {
   }
   // With five tips a wrong thumb or little finger can look exactly like another pose: those few
   // cannot be told from one frame.
-  EXPECT_LE(confident, n / 12);
+  EXPECT_LE(confident, n / 20);
 }
 
 TEST(Covariance, OneWrongPointAmongNineIsLeftOut) {

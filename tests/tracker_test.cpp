@@ -99,7 +99,7 @@ TEST(Tracker, GoesThroughItsStates) {
   const double again_s = film.until(State::tracking, 1);
   EXPECT_LT(again_s, 0.3);
   EXPECT_LT(again_s, first_s) << "what is known of the hand speeds it up";
-  EXPECT_LT(film.worst_tip_px(), 4.5);
+  EXPECT_LT(film.worst_tip_px(), 1.5);
 }
 
 TEST(Tracker, AHandGoneForLongIsSearchedForAnew) {
@@ -136,7 +136,7 @@ TEST(Tracker, TheOtherFaceIsFoundWithTheOtherLayout) {
     expect_consistent(film.next());
     EXPECT_EQ(film.result.layout, Layout::thumb_left);
     EXPECT_EQ(film.tracker.hand().layout, Layout::thumb_left);
-    EXPECT_LT(film.worst_tip_px(), 4.5);
+    EXPECT_LT(film.worst_tip_px(), 2.0);
   }
   ASSERT_TRUE(film.result.pose);
   EXPECT_LT(test::rotation_error_rad(film.T_camera_hand, film.result.pose->T_camera_hand), deg(5));

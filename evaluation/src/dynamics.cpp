@@ -86,7 +86,7 @@ Poses right_poses(const Truth& truth, const HandModel& hand, std::span<const Tra
   const Eigen::Isometry3d T_model_true = T_true_model(truth, hand).inverse();
   Poses poses(std::min(track.size(), truth.frames.size()));
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (!errors[i].tracked || errors[i].wrong || errors[i].hand_absent) continue;
+    if (!errors[i].tracked || errors[i].wrong || !errors[i].visible) continue;
     Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
     if (truth.frames[i].other_face) turn.linear() = Eigen::Vector3d(-1, 1, -1).asDiagonal();
     const Eigen::Isometry3d T_model_hand = turn * T_model_true * turn.inverse();

@@ -71,15 +71,16 @@ struct PoseEstimate {
   Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
 
   /// Order: rotation (rad), translation (m). The rotation error is on the left, in camera axes:
-  /// R_true = exp([w]x) R, t_true = t + d. Grows with what the model cannot explain, and with the
-  /// probability of the other hypotheses.
+  /// R_true = exp([w]x) R, t_true = t + d. Shrinks and grows with how well the points agree with
+  /// the model, and grows with the probability of the other hypotheses.
   Matrix6d covariance = Matrix6d::Zero();
 
   /// The part of `covariance` that comes from pixel noise and is new in each frame; the rest stays
   /// as long as hand and view do, and no filter can average it out.
   Matrix6d noise_covariance = Matrix6d::Zero();
 
-  /// Distance between seen and reprojected fingertips, of those used, in the calibrated posture.
+  /// Distance between seen and reprojected fingertips, of those used, in the calibrated posture; by
+  /// the better of both reliefs where both were tried.
   double rms_px = std::numeric_limits<double>::quiet_NaN();
 
   /// Squared error in standard deviations per degree of freedom: about 1 when noise and model are
@@ -94,8 +95,8 @@ struct PoseEstimate {
   /// positive; zero for methods that do not estimate it.
   std::array<double, kFingerCount> spread_rad{};
 
-  /// Evidence of this frame for the model's relief against the mirrored one: log of the likelihood
-  /// ratio, for the tracker to add up; 0 when only one was tried.
+  /// Evidence of this frame alone for the model's relief against the mirrored one: log of the
+  /// likelihood ratio, for the tracker to add up; 0 when only one was tried.
   double relief_log_ratio = 0.0;
 
   int points_used = 0;

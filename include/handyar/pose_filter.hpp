@@ -75,7 +75,7 @@ class PoseFilter {
   std::optional<FilteredPose> predict(double time_s) const noexcept;
 
  private:
-  static constexpr int kLevels = 3;
+  static constexpr int kLevels = 4;
   static constexpr int kRestart = 3;  ///< agreeing refusals that start the filter anew
 
   struct Level {
