@@ -193,45 +193,54 @@ void RegionFinder::keep_only(const Component& component) noexcept {
 }
 
 Disc RegionFinder::deepest(const Component& c) noexcept {
-  // Chamfer 3-4 distance at reduced resolution.
+  // Chamfer 3-4 distance at reduced resolution, without the scans along rows: the way to the
+  // nearest pixel outside is either along the row or can begin with a step to the next one.
   const int box = std::max(c.u1 - c.u0, c.v1 - c.v0) + 1;
   const int step = std::max(1, box / kDeepestAcross);
   const int w = (c.u1 - c.u0) / step + 1, h = (c.v1 - c.v0) / step + 1, stride = w + 2;
-  constexpr std::int16_t kFar = 1 << 14;
-  std::int16_t* d = distance_.data();
+  std::int16_t* const d = distance_.data();
   std::fill(d, d + static_cast<std::ptrdiff_t>(stride) * (h + 2), 0);
+  std::int16_t* at = d;
+  int begin = 0, end = 0;  // of pixels in a row that are inside
+  const auto distances_along = [&] {
+    for (int u = begin; u < end; ++u)
+      at[u] = static_cast<std::int16_t>(3 * std::min(u - begin + 1, end - u));
+  };
   // Other components may reach into the box: only this one's runs count. Its label is its first.
   for (int i = c.label; i < run_count_ && runs_[i].v <= c.v1; ++i) {
     const Run& r = runs_[i];
-    if ((r.v - c.v0) % step != 0 || r.label != c.label) continue;
+    if (r.label != c.label || (r.v - c.v0) % step != 0) continue;
     const int first = (r.u0 - c.u0 + step - 1) / step, last = (r.u1 - 1 - c.u0) / step;
-    std::int16_t* row = d + ((r.v - c.v0) / step + 1) * stride + 1;
-    for (int u = first; u <= last; ++u) row[u] = kFar;
+    if (first > last) continue;
+    std::int16_t* const row = d + ((r.v - c.v0) / step + 1) * stride + 1;
+    if (row != at || first > end) {
+      distances_along();
+      at = row;
+      begin = first;
+    }
+    end = last + 1;
   }
-  // What comes from the row before is the same for all pixels; along the row one follows another.
-  const auto from_row = [w](const std::int16_t* __restrict row, std::int16_t* __restrict at) {
+  distances_along();
+  const auto from_row = [w](const std::int16_t* __restrict row, std::int16_t* __restrict to) {
     for (int u = 0; u < w; ++u) {
-      const int nearest = std::min(row[u] + 3, std::min(row[u - 1], row[u + 1]) + 4);
-      at[u] = static_cast<std::int16_t>(std::min<int>(at[u], nearest));
+      const auto straight = static_cast<std::int16_t>(row[u] + 3);
+      const auto aslant = static_cast<std::int16_t>(std::min(row[u - 1], row[u + 1]) + 4);
+      to[u] = std::min(to[u], std::min(straight, aslant));
     }
   };
-  for (int v = 0; v < h; ++v) {
-    std::int16_t* at = d + (v + 1) * stride + 1;
-    from_row(at - stride, at);
-    for (int u = 0, last = 0; u < w; ++u)
-      at[u] = static_cast<std::int16_t>(last = std::min<int>(at[u], last + 3));
-  }
+  for (int v = 1; v <= h; ++v) from_row(d + (v - 1) * stride + 1, d + v * stride + 1);
   Disc best;
   int deepest = 0;
-  for (int v = h - 1; v >= 0; --v) {
-    std::int16_t* at = d + (v + 1) * stride + 1;
-    from_row(at + stride, at);
-    for (int u = w - 1, last = 0; u >= 0; --u) {
-      at[u] = static_cast<std::int16_t>(last = std::min<int>(at[u], last + 3));
-      if (last <= deepest) continue;
-      deepest = last;
-      best.center = Eigen::Vector2f(c.u0 + u * step, c.v0 + v * step);
-    }
+  for (int v = h; v >= 1; --v) {
+    std::int16_t* const row = d + v * stride + 1;
+    from_row(row + stride, row);
+    std::int16_t most = 0;
+    for (int u = 0; u < w; ++u) most = std::max(most, row[u]);
+    if (most <= deepest) continue;
+    deepest = most;
+    int u = w - 1;
+    while (row[u] != most) --u;
+    best.center = Eigen::Vector2f(c.u0 + u * step, c.v0 + (v - 1) * step);
   }
   best.radius = deepest / 3.0f * step;
   return best;
