@@ -2,9 +2,13 @@
 #include "handyar/hand_search.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <numeric>
+
+#include "vectorised.hpp"
 
 namespace handyar {
 namespace {
@@ -28,15 +32,23 @@ bool may_be_hand(const Component& c, const Contour& contour) {
   return lobed > kLeastLobed && lobed < kMostLobed;
 }
 
-/// Bit k of word i becomes bit i of word k.
-void transpose(std::uint32_t* words) {
+constexpr int kBlocks = 8;  // of 32 pixels, side by side in a vector
+using MarksOfBlocks = std::array<std::uint32_t, kBlocks>;
+
+/// In each of the blocks, bit k of word i becomes bit i of word k.
+HANDYAR_VECTORISED void transpose(std::array<MarksOfBlocks, 32>& words) {
   std::uint32_t keep = 0x0000ffff;
   for (int by = 16; by > 0; by >>= 1, keep ^= keep << by)
     for (int i = 0; i < 32; i += 2 * by)
       for (int k = i; k < i + by; ++k) {
-        const std::uint32_t swapped = (words[k] >> by ^ words[k + by]) & keep;
-        words[k] ^= swapped << by;
-        words[k + by] ^= swapped;
+        MarksOfBlocks low = words[k], high = words[k + by];
+        for (int block = 0; block < kBlocks; ++block) {
+          const std::uint32_t swapped = (low[block] >> by ^ high[block]) & keep;
+          low[block] ^= swapped << by;
+          high[block] ^= swapped;
+        }
+        words[k] = low;
+        words[k + by] = high;
       }
 }
 
@@ -228,13 +240,13 @@ void HandSearch::draw_masks(const BinImage& image, int count) noexcept {
   for (int k = 0; k < count; ++k) masks_[k].resize(image.width, image.height);
   const ColorBin* bin = image.bins.data();
   for (int v = 0; v < image.height; ++v)
-    for (int u = 0; u < image.width; u += 32) {
-      std::array<std::uint32_t, 32> block{};
-      const int length = std::min(32, image.width - u);
-      for (int i = 0; i < length; ++i) block[i] = marks_[*bin++];
-      transpose(block.data());
+    for (int u = 0; u < image.width; u += 32 * kBlocks) {
+      std::array<MarksOfBlocks, 32> marks{};
+      const int length = std::min(32 * kBlocks, image.width - u);
+      for (int i = 0; i < length; ++i) marks[i & 31][i >> 5] = marks_[*bin++];
+      transpose(marks);
       for (int k = 0; k < count; ++k)
-        masks_[k].row(v)[u >> 6] |= std::uint64_t{block[k]} << (u & 32);
+        std::memcpy(masks_[k].row(v) + (u >> 6), marks[k].data(), (length + 63) / 64 * 8);
     }
 }
 
