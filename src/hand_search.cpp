@@ -32,6 +32,26 @@ bool may_be_hand(const Component& c, const Contour& contour) {
   return lobed > kLeastLobed && lobed < kMostLobed;
 }
 
+/// Sets bit k of the marks of a row of bins whose channel times `sign` is above the threshold.
+HANDYAR_VECTORISED void mark_row(const std::int8_t* channel, int sign, int threshold, int k,
+                                 std::uint32_t* __restrict marks) {
+  for (int i = 0; i < kBinLevels; ++i)
+    marks[i] |= std::uint32_t{sign * channel[i] > threshold} << k;
+}
+
+/// Spreads counts of coarse colours over the neighbouring levels of one channel (1 2 1).
+template <int kStride>
+void smooth_along(const float* count, float* __restrict out) {
+  for (int first = 0; first < kCoarseCount; first += kCoarseLevels * kStride)
+    for (int level = 0; level < kCoarseLevels; ++level) {
+      const float* at = count + first + level * kStride;
+      const float* below = level > 0 ? at - kStride : at;
+      const float* above = level < kCoarseLevels - 1 ? at + kStride : at;
+      float* to = out + first + level * kStride;
+      for (int k = 0; k < kStride; ++k) to[k] = 0.25f * below[k] + 0.5f * at[k] + 0.25f * above[k];
+    }
+}
+
 constexpr int kBlocks = 8;  // of 32 pixels, side by side in a vector
 using MarksOfBlocks = std::array<std::uint32_t, kBlocks>;
 
@@ -79,6 +99,7 @@ void HandSearch::reserve(int max_pixels, int max_side) {
   for (Mask& mask : masks_) mask.reserve(max_pixels, max_side);
   scratch_mask_.reserve(max_pixels, max_side);
   contour_.reserve(1 << 13);
+  seen_bins_.reserve(kBinCount);
 }
 
 void HandSearch::reset() noexcept { next_ = 0; }
@@ -97,6 +118,7 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
   std::ranges::fill(count_, 0.0f);
   for (const ColorBin b : image.used()) count_[b] += 1;
   const BinRows spread = smooth_histogram(count_, smooth_);
+  seen_bins_.clear();
   const float total = static_cast<float>(image.used().size());
   std::ranges::fill(coarse_, 0.0f);
   for (int row = 0; row < static_cast<int>(spread.size()); ++row) {
@@ -104,11 +126,15 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
     seen_[row] = spread[row] && std::any_of(count_.begin() + begin, count_.begin() + end,
                                             [](float c) { return c != 0; });
     if (!spread[row]) continue;
-    for (int i = begin; i < end; ++i) coarse_[coarse(i)] += smooth_[i] / total;
-    if (!seen_[row]) continue;
-    for (int i = begin; i < end; ++i)
-      scene_[i] = clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(smooth_[i] / total, 1e-6f)));
+    float* const coarse_row = coarse_.data() + coarse(begin);
+    for (int i = 0; i < kBinLevels; i += 2)
+      coarse_row[i / 2] =
+          coarse_row[i / 2] + smooth_[begin + i] / total + smooth_[begin + i + 1] / total;
+    for (int i = begin; seen_[row] && i < end; ++i)
+      if (count_[i] > 0) seen_bins_.push_back(static_cast<ColorBin>(i));
   }
+  for (const ColorBin i : seen_bins_)
+    scene_[i] = clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(smooth_[i] / total, 1e-6f)));
 }
 
 /// The learned hand against this scene, whatever it was learned before: how much more of a colour
@@ -118,12 +144,9 @@ void HandSearch::read_known(const BinImage& image, const SkinModel& skin) noexce
   const float hand_total = std::accumulate(count.begin(), count.end(), 0.0f);
   const float total = static_cast<float>(image.used().size());
   const BinRows spread = smooth_histogram(count, hand_smooth_);
-  for (int row = 0; row < static_cast<int>(seen_.size()); ++row) {
-    if (!seen_[row]) continue;
-    for (int i = row * kBinLevels; i < (row + 1) * kBinLevels; ++i) {
-      const float hand = spread[row] ? hand_smooth_[i] / hand_total : 0.0f;
-      known_[i] = clamp8(8 * std::log((hand + 1e-6f) / (smooth_[i] / total + 1e-6f)));
-    }
+  for (const ColorBin i : seen_bins_) {
+    const float hand = spread[i / kBinLevels] ? hand_smooth_[i] / hand_total : 0.0f;
+    known_[i] = clamp8(8 * std::log((hand + 1e-6f) / (smooth_[i] / total + 1e-6f)));
   }
 }
 
@@ -131,9 +154,7 @@ void HandSearch::add_levels(const Channel& channel, int levels) noexcept {
   // Thresholds that cut the scene's distribution of this channel where it is thin (Lloyd's
   // quantiser): between its clusters.
   std::array<float, 256> histogram{};
-  for (int row = 0; row < static_cast<int>(seen_.size()); ++row)
-    for (int i = row * kBinLevels; seen_[row] && i < (row + 1) * kBinLevels; ++i)
-      histogram[channel[i] + 128] += count_[i];
+  for (const ColorBin i : seen_bins_) histogram[channel[i] + 128] += count_[i];
   float sum_of_all = 0;
   for (const float c : histogram) sum_of_all += c;
   std::array<float, 9> center;
@@ -198,18 +219,12 @@ void HandSearch::read_patch(const BinImage& image, int patch) noexcept {
     for (int u = u0; u < u0 + width; ++u)
       patch_[coarse(image.bins[static_cast<std::size_t>(v) * image.width + u])] += 1;
   // One level around each colour.
-  for (int stride = 1; stride < kCoarseCount; stride *= kCoarseLevels) {
-    for (int i = 0; i < kCoarseCount; ++i) {
-      const int level = i / stride % kCoarseLevels;
-      const float below = level > 0 ? patch_[i - stride] : patch_[i];
-      const float above = level < kCoarseLevels - 1 ? patch_[i + stride] : patch_[i];
-      patch_smooth_[i] = 0.25f * below + 0.5f * patch_[i] + 0.25f * above;
-    }
-    patch_.swap(patch_smooth_);
-  }
+  smooth_along<1>(patch_.data(), patch_smooth_.data());
+  smooth_along<kCoarseLevels>(patch_smooth_.data(), patch_.data());
+  smooth_along<kCoarseLevels * kCoarseLevels>(patch_.data(), patch_smooth_.data());
   const float total = static_cast<float>(width * height);
   for (int i = 0; i < kCoarseCount; ++i)
-    in_patch_[i] = patch_[i] / total > 1.5f * coarse_[i] + 1e-4f;
+    in_patch_[i] = patch_smooth_[i] / total > 1.5f * coarse_[i] + 1e-4f;
 }
 
 /// Bit k of a bin's mark: reading k takes its colour for the hand's.
@@ -218,18 +233,16 @@ void HandSearch::mark_bins(const BinImage& image, std::span<const Reading> readi
   for (std::size_t k = 0; k < readings.size(); ++k) {
     const Reading& reading = readings[k];
     if (reading.patch >= 0) read_patch(image, reading.patch);
-    const int sign = reading.below ? -1 : 1;
     for (int row = 0; row < static_cast<int>(seen_.size()); ++row) {
       if (!seen_[row]) continue;
       const int begin = row * kBinLevels;
-      std::uint32_t* marks = marks_.data() + begin;
+      std::uint32_t* const marks = marks_.data() + begin;
       if (reading.patch >= 0) {
         const bool* in_patch = in_patch_.data() + coarse(begin);
         for (int i = 0; i < kBinLevels; ++i) marks[i] |= std::uint32_t{in_patch[i / 2]} << k;
       } else {
-        const std::int8_t* channel = reading.channel->data() + begin;
-        for (int i = 0; i < kBinLevels; ++i)
-          marks[i] |= std::uint32_t{sign * channel[i] > reading.threshold} << k;
+        mark_row(reading.channel->data() + begin, reading.below ? -1 : 1, reading.threshold,
+                 static_cast<int>(k), marks);
       }
     }
   }
