@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <limits>
 
+#include "vectorised.hpp"
+
 namespace handyar {
 namespace {
 
@@ -19,6 +21,16 @@ int color_step(ColorBin p, ColorBin q) {
   const int chroma =
       std::max(std::abs((p >> 5 & 31) - (q >> 5 & 31)), std::abs((p & 31) - (q & 31)));
   return std::max(std::abs((p >> 10) - (q >> 10)), chroma / 2);
+}
+
+/// Distances in a row of pixels, as far as they are those of a neighbouring row and a step.
+HANDYAR_VECTORISED void distances_from(const std::int16_t* __restrict row, int width,
+                                       std::int16_t* __restrict to) {
+  for (int u = 0; u < width; ++u) {
+    const auto straight = static_cast<std::int16_t>(row[u] + 3);
+    const auto aslant = static_cast<std::int16_t>(std::min(row[u - 1], row[u + 1]) + 4);
+    to[u] = std::min(to[u], std::min(straight, aslant));
+  }
 }
 
 }  // namespace
@@ -112,20 +124,23 @@ std::span<const Component> RegionFinder::components(int min_area) noexcept {
       u1 = mask_.next_clear(v, u0);
       if (run_count_ == static_cast<int>(runs_.size())) return {};
       const int id = run_count_++;
-      runs_[id] = {static_cast<std::int16_t>(v), static_cast<std::int16_t>(u0),
-                   static_cast<std::int16_t>(u1), static_cast<std::int16_t>(id), 0};
+      int label = id;
       while (above < above_end && runs_[above].u1 < u0) ++above;  // touching corners count
       for (int k = above; k < above_end && runs_[k].u0 <= u1; ++k) {
-        const int a = root(id), b = root(k);
-        if (a != b) runs_[std::max(a, b)].label = static_cast<std::int16_t>(std::min(a, b));
+        const int other = root(k);
+        if (label != id && label != other)
+          runs_[std::max(label, other)].label = static_cast<std::int16_t>(std::min(label, other));
+        label = std::min(label, other);
       }
+      runs_[id] = {static_cast<std::int16_t>(v), static_cast<std::int16_t>(u0),
+                   static_cast<std::int16_t>(u1), static_cast<std::int16_t>(label), 0};
     }
     above_begin = begin;
     above_end = run_count_;
   }
-  // The root of a component is its first run: top row, leftmost.
+  // The root of a component is its first run: top row, leftmost. Parents come before their runs.
   for (int i = 0; i < run_count_; ++i) {
-    runs_[i].label = static_cast<std::int16_t>(root(i));
+    runs_[i].label = runs_[runs_[i].label].label;
     runs_[runs_[i].label].area += runs_[i].u1 - runs_[i].u0;
   }
   const auto larger = [](const Component& a, const Component& b) {
@@ -221,19 +236,12 @@ Disc RegionFinder::deepest(const Component& c) noexcept {
     end = last + 1;
   }
   distances_along();
-  const auto from_row = [w](const std::int16_t* __restrict row, std::int16_t* __restrict to) {
-    for (int u = 0; u < w; ++u) {
-      const auto straight = static_cast<std::int16_t>(row[u] + 3);
-      const auto aslant = static_cast<std::int16_t>(std::min(row[u - 1], row[u + 1]) + 4);
-      to[u] = std::min(to[u], std::min(straight, aslant));
-    }
-  };
-  for (int v = 1; v <= h; ++v) from_row(d + (v - 1) * stride + 1, d + v * stride + 1);
+  for (int v = 1; v <= h; ++v) distances_from(d + (v - 1) * stride + 1, w, d + v * stride + 1);
   Disc best;
   int deepest = 0;
   for (int v = h; v >= 1; --v) {
     std::int16_t* const row = d + v * stride + 1;
-    from_row(row + stride, row);
+    distances_from(row + stride, w, row);
     std::int16_t most = 0;
     for (int u = 0; u < w; ++u) most = std::max(most, row[u]);
     if (most <= deepest) continue;
