@@ -44,14 +44,15 @@ void RegionFinder::reserve(int max_pixels, int max_side) {
   distance_.resize((2 * kDeepestAcross + 2) * (2 * kDeepestAcross + 2));
 }
 
-void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> ratios,
-                            const ExpectedRegion& expected) noexcept {
+HANDYAR_VECTORISED void RegionFinder::classify(const BinImage& image,
+                                               std::span<const std::int8_t> ratios,
+                                               const ExpectedRegion& expected) noexcept {
   const int w = image.width, h = image.height;
   mask_.resize(w, h);
   colored_.resize(w, h);
   const std::int8_t* table = ratios.data();
   // Sliding 3x3 sum: rows_[v % 3] holds row v summed over three columns, edges repeated.
-  const auto sum_row = [&](int v) {
+  const auto sum_row = [&](int v) __attribute__((always_inline)) {
     // Looked up one by one, summed in vectors.
     std::int16_t* __restrict to = rows_[v % 3].data(), * __restrict ratio = looked_up_.data() + 1;
     const ColorBin* bin = image.bins.data() + static_cast<std::ptrdiff_t>(v) * w;
