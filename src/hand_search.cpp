@@ -2,11 +2,9 @@
 #include "handyar/hand_search.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numbers>
-#include <numeric>
 
 #include "vectorised.hpp"
 
@@ -140,12 +138,10 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
 /// The learned hand against this scene, whatever it was learned before: how much more of a colour
 /// the hand has than the frame.
 void HandSearch::read_known(const BinImage& image, const SkinModel& skin) noexcept {
-  const auto count = skin.hand_count();
-  const float hand_total = std::accumulate(count.begin(), count.end(), 0.0f);
   const float total = static_cast<float>(image.used().size());
-  const BinRows spread = smooth_histogram(count, hand_smooth_);
+  const BinRows spread = smooth_histogram(skin.hand_count(), hand_smooth_);
   for (const ColorBin i : seen_bins_) {
-    const float hand = spread[i / kBinLevels] ? hand_smooth_[i] / hand_total : 0.0f;
+    const float hand = spread[i / kBinLevels] ? hand_smooth_[i] / skin.hand_total() : 0.0f;
     known_[i] = clamp8(8 * std::log((hand + 1e-6f) / (smooth_[i] / total + 1e-6f)));
   }
 }
