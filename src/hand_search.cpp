@@ -85,7 +85,6 @@ HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fi
       curvature_(fingertips),
       count_(kBinCount),
       smooth_(kBinCount),
-      hand_smooth_(kBinCount),
       coarse_(kCoarseCount),
       patch_(kCoarseCount),
       patch_smooth_(kCoarseCount),
@@ -138,11 +137,12 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
 /// The learned hand against this scene, whatever it was learned before: how much more of a colour
 /// the hand has than the frame.
 void HandSearch::read_known(const BinImage& image, const SkinModel& skin) noexcept {
+  std::vector<float>& hand = count_;  // the frame's own are not needed any more
   const float total = static_cast<float>(image.used().size());
-  const BinRows spread = smooth_histogram(skin.hand_count(), hand_smooth_);
+  const BinRows spread = smooth_histogram(skin.hand_count(), hand);
   for (const ColorBin i : seen_bins_) {
-    const float hand = spread[i / kBinLevels] ? hand_smooth_[i] / skin.hand_total() : 0.0f;
-    known_[i] = clamp8(8 * std::log((hand + 1e-6f) / (smooth_[i] / total + 1e-6f)));
+    const float share = spread[i / kBinLevels] ? hand[i] / skin.hand_total() : 0.0f;
+    known_[i] = clamp8(8 * std::log((share + 1e-6f) / (smooth_[i] / total + 1e-6f)));
   }
 }
 
