@@ -19,7 +19,6 @@ struct Scene {
   const cv::Mat& picture = clip().frames.back();
   TrackResult result;
   Mask mask;
-  Component component;
   Contour contour;
   float palm_radius = 0;
   BinImage bins;
@@ -34,12 +33,8 @@ Scene make_scene() {
 
   const HandMask seen = tracker.mask();
   s.mask.pack(seen.data, seen.width, seen.height, seen.stride_bytes);
-  s.component.v0 = 0;
-  while (s.component.v0 < seen.height && s.mask.next_set(s.component.v0, 0) >= seen.width)
-    ++s.component.v0;
-  if (s.component.v0 < seen.height) s.component.first_u = s.mask.next_set(s.component.v0, 0);
   s.contour.reserve(1 << 14);
-  if (s.component.v0 == seen.height || !s.contour.trace(s.mask, s.component)) return s;
+  if (!s.contour.trace(s.mask)) return s;
   const auto& tips = s.result.tips;
   s.palm_radius = static_cast<float>(0.23 * (tips[0].px - tips[4].px).norm());
   const int pixels = s.picture.rows * s.picture.cols;
@@ -103,7 +98,7 @@ void trace_contour(benchmark::State& state) {
   if (s == nullptr) return;
   Contour contour;
   contour.reserve(1 << 14);
-  for (auto _ : state) benchmark::DoNotOptimize(contour.trace(s->mask, s->component));
+  for (auto _ : state) benchmark::DoNotOptimize(contour.trace(s->mask));
 }
 
 void find_curvature(benchmark::State& state) {

@@ -3,12 +3,21 @@
 
 #include <algorithm>
 
+#include "vectorised.hpp"
+
 namespace handyar {
 namespace {
 
 struct Color {
   int a, b, c;  // RGB or YCbCr, 0..255 (times the number of pixels summed)
 };
+
+/// Asks for bytes that will be read soon. Of the rows of a part of a frame, the next is nowhere
+/// near the end of the last, and hardware does not foresee it.
+inline void fetch(const std::uint8_t* from, const std::uint8_t* to) {
+  constexpr int kCacheLine = 64;
+  for (; from < to; from += kCacheLine) __builtin_prefetch(from);
+}
 
 /// Reads pixel x of a row of interleaved channels, `R`, `G`, `B` being the bytes' places.
 template <int kBytes, int R, int G, int B>
@@ -20,6 +29,7 @@ struct InterleavedRow {
     return {p[R], p[G], p[B]};
   }
   [[gnu::always_inline]] static ColorBin bin(const Color& p) { return bin_of_rgb(p.a, p.b, p.c); }
+  void prefetch(int x0, int x1) const { fetch(row + x0 * kBytes, row + x1 * kBytes); }
 };
 
 struct YuyvRow {
@@ -30,6 +40,7 @@ struct YuyvRow {
     return {row[x * 2], pair[1], pair[3]};
   }
   [[gnu::always_inline]] static ColorBin bin(const Color& p) { return bin_of_ycbcr(p.a, p.b, p.c); }
+  void prefetch(int x0, int x1) const { fetch(row + x0 * 2, row + x1 * 2); }
 };
 
 struct Nv12Row {
@@ -41,28 +52,37 @@ struct Nv12Row {
     return {luma[x], pair[0], pair[1]};
   }
   [[gnu::always_inline]] static ColorBin bin(const Color& p) { return bin_of_ycbcr(p.a, p.b, p.c); }
+  void prefetch(int x0, int x1) const {
+    fetch(luma + x0, luma + x1);
+    fetch(chroma + x0, chroma + x1);
+  }
 };
 
-constexpr int kChunk = 256;  // pixels whose sums lie in the first-level cache
+constexpr int kChunk = 256;    // pixels whose sums lie in the first-level cache
+constexpr int kRowsAhead = 2;  // rows of `out` that are fetched before they are read
 
 template <class Row>
 [[gnu::always_inline]] inline void read_rows(const ImageView& frame, BinImage& out) {
   ColorBin* to = out.bins.data();
   const int step = out.step_px, half = step / 2;
+  const int x0 = out.x0_px, x1 = x0 + out.width * step;
   for (int v = 0; v < out.height; ++v, to += out.width) {
     const int y = out.y0_px + v * step;
     const Row top(frame, y);
+    const int ahead = std::min(y + kRowsAhead * step, frame.height_px - step);
+    Row(frame, ahead).prefetch(x0, x1);
+    if (step > 1) Row(frame, ahead + half).prefetch(x0, x1);
     if (step == 1) {
-      for (int u = 0; u < out.width; ++u) to[u] = Row::bin(top(out.x0_px + u));
+      for (int u = 0; u < out.width; ++u) to[u] = Row::bin(top(x0 + u));
       continue;
     }
     const Row bottom(frame, y + half);
     if (step == 2) {  // in two loops, each of which can be vectorised
       for (int u0 = 0; u0 < out.width; u0 += kChunk) {
         std::uint16_t a[2 * kChunk], b[2 * kChunk], c[2 * kChunk];
-        const int count = std::min(kChunk, out.width - u0), x0 = out.x0_px + 2 * u0;
+        const int count = std::min(kChunk, out.width - u0), first = x0 + 2 * u0;
         for (int k = 0; k < 2 * count; ++k) {
-          const Color p = top(x0 + k), q = bottom(x0 + k);
+          const Color p = top(first + k), q = bottom(first + k);
           a[k] = static_cast<std::uint16_t>(p.a + q.a);
           b[k] = static_cast<std::uint16_t>(p.b + q.b);
           c[k] = static_cast<std::uint16_t>(p.c + q.c);
@@ -73,23 +93,19 @@ template <class Row>
       }
       continue;
     }
-    for (int u = 0; u < out.width; ++u) {
-      const int x = out.x0_px + u * step;
-      const Color p = top(x), q = top(x + half), r = bottom(x), s = bottom(x + half);
-      to[u] = Row::bin({(p.a + q.a + r.a + s.a) >> 2, (p.b + q.b + r.b + s.b) >> 2,
-                        (p.c + q.c + r.c + s.c) >> 2});
+    for (int u0 = 0; u0 < out.width; u0 += kChunk) {
+      std::uint16_t a[kChunk], b[kChunk], c[kChunk];
+      const int count = std::min(kChunk, out.width - u0);
+      for (int k = 0, x = x0 + u0 * step; k < count; ++k, x += step) {
+        const Color p = top(x), q = top(x + half), r = bottom(x), s = bottom(x + half);
+        a[k] = static_cast<std::uint16_t>(p.a + q.a + r.a + s.a);
+        b[k] = static_cast<std::uint16_t>(p.b + q.b + r.b + s.b);
+        c[k] = static_cast<std::uint16_t>(p.c + q.c + r.c + s.c);
+      }
+      for (int k = 0; k < count; ++k) to[u0 + k] = Row::bin({a[k] >> 2, b[k] >> 2, c[k] >> 2});
     }
   }
 }
-
-// One source, compiled for the plain instruction set and for AVX2; the machine chooses when the
-// library is loaded. Sanitizers are not ready that early.
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define HANDYAR_VECTORISED [[gnu::target_clones("avx2", "default")]]
-#else
-#define HANDYAR_VECTORISED
-#endif
 
 HANDYAR_VECTORISED void read_bgr(const ImageView& frame, BinImage& out) {
   read_rows<InterleavedRow<3, 2, 1, 0>>(frame, out);

@@ -46,6 +46,16 @@ bool Contour::trace(const Mask& mask, const Component& component) noexcept {
   return size_ >= 8;
 }
 
+bool Contour::trace(const Mask& mask) noexcept {
+  Component only;
+  for (only.v0 = 0; only.v0 < mask.height; ++only.v0) {
+    only.first_u = mask.next_set(only.v0, 0);
+    if (only.first_u < mask.width) return trace(mask, only);
+  }
+  size_ = 0;
+  return false;
+}
+
 int Contour::index_at(float arc) const noexcept {
   const float length = perimeter();
   arc -= length * std::floor(arc / length);

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vectorised.hpp"
+
 namespace handyar {
 namespace {
 
@@ -15,8 +17,8 @@ float cross(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
 }
 
 /// Adds `weight` times the cosine between the arms at each of `n` samples, -1 where they turn in.
-void add_convexity(const float* x, const float* y, int n, int arm, float weight,
-                   float* __restrict sum) {
+HANDYAR_VECTORISED void add_convexity(const float* x, const float* y, int n, int arm, float weight,
+                                      float* __restrict sum) {
   for (int i = 0; i < n; ++i) {
     const float ax = x[i - arm] - x[i], ay = y[i - arm] - y[i];
     const float bx = x[i + arm] - x[i], by = y[i + arm] - y[i];

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <limits>
 
+#include "vectorised.hpp"
+
 namespace handyar {
 namespace {
 
@@ -21,6 +23,16 @@ int color_step(ColorBin p, ColorBin q) {
   return std::max(std::abs((p >> 10) - (q >> 10)), chroma / 2);
 }
 
+/// Distances in a row of pixels, as far as they are those of a neighbouring row and a step.
+HANDYAR_VECTORISED void distances_from(const std::int16_t* __restrict row, int width,
+                                       std::int16_t* __restrict to) {
+  for (int u = 0; u < width; ++u) {
+    const auto straight = static_cast<std::int16_t>(row[u] + 3);
+    const auto aslant = static_cast<std::int16_t>(std::min(row[u - 1], row[u + 1]) + 4);
+    to[u] = std::min(to[u], std::min(straight, aslant));
+  }
+}
+
 }  // namespace
 
 void RegionFinder::reserve(int max_pixels, int max_side) {
@@ -32,14 +44,15 @@ void RegionFinder::reserve(int max_pixels, int max_side) {
   distance_.resize((2 * kDeepestAcross + 2) * (2 * kDeepestAcross + 2));
 }
 
-void RegionFinder::classify(const BinImage& image, std::span<const std::int8_t> ratios,
-                            const ExpectedRegion& expected) noexcept {
+HANDYAR_VECTORISED void RegionFinder::classify(const BinImage& image,
+                                               std::span<const std::int8_t> ratios,
+                                               const ExpectedRegion& expected) noexcept {
   const int w = image.width, h = image.height;
   mask_.resize(w, h);
   colored_.resize(w, h);
   const std::int8_t* table = ratios.data();
   // Sliding 3x3 sum: rows_[v % 3] holds row v summed over three columns, edges repeated.
-  const auto sum_row = [&](int v) {
+  const auto sum_row = [&](int v) __attribute__((always_inline)) {
     // Looked up one by one, summed in vectors.
     std::int16_t* __restrict to = rows_[v % 3].data(), * __restrict ratio = looked_up_.data() + 1;
     const ColorBin* bin = image.bins.data() + static_cast<std::ptrdiff_t>(v) * w;
@@ -131,20 +144,23 @@ std::span<const Component> RegionFinder::components(int min_area) noexcept {
       u1 = mask_.next_clear(v, u0);
       if (run_count_ == static_cast<int>(runs_.size())) return {};
       const int id = run_count_++;
-      runs_[id] = {static_cast<std::int16_t>(v), static_cast<std::int16_t>(u0),
-                   static_cast<std::int16_t>(u1), static_cast<std::int16_t>(id), 0};
+      int label = id;
       while (above < above_end && runs_[above].u1 < u0) ++above;  // touching corners count
       for (int k = above; k < above_end && runs_[k].u0 <= u1; ++k) {
-        const int a = root(id), b = root(k);
-        if (a != b) runs_[std::max(a, b)].label = static_cast<std::int16_t>(std::min(a, b));
+        const int other = root(k);
+        if (label != id && label != other)
+          runs_[std::max(label, other)].label = static_cast<std::int16_t>(std::min(label, other));
+        label = std::min(label, other);
       }
+      runs_[id] = {static_cast<std::int16_t>(v), static_cast<std::int16_t>(u0),
+                   static_cast<std::int16_t>(u1), static_cast<std::int16_t>(label), 0};
     }
     above_begin = begin;
     above_end = run_count_;
   }
-  // The root of a component is its first run: top row, leftmost.
+  // The root of a component is its first run: top row, leftmost. Parents come before their runs.
   for (int i = 0; i < run_count_; ++i) {
-    runs_[i].label = static_cast<std::int16_t>(root(i));
+    runs_[i].label = runs_[runs_[i].label].label;
     runs_[runs_[i].label].area += runs_[i].u1 - runs_[i].u0;
   }
   const auto larger = [](const Component& a, const Component& b) {
@@ -212,45 +228,47 @@ void RegionFinder::keep_only(const Component& component) noexcept {
 }
 
 Disc RegionFinder::deepest(const Component& c) noexcept {
-  // Chamfer 3-4 distance at reduced resolution.
+  // Chamfer 3-4 distance at reduced resolution, without the scans along rows: the way to the
+  // nearest pixel outside is either along the row or can begin with a step to the next one.
   const int box = std::max(c.u1 - c.u0, c.v1 - c.v0) + 1;
   const int step = std::max(1, box / kDeepestAcross);
   const int w = (c.u1 - c.u0) / step + 1, h = (c.v1 - c.v0) / step + 1, stride = w + 2;
-  constexpr std::int16_t kFar = 1 << 14;
-  std::int16_t* d = distance_.data();
+  std::int16_t* const d = distance_.data();
   std::fill(d, d + static_cast<std::ptrdiff_t>(stride) * (h + 2), 0);
+  std::int16_t* at = d;
+  int begin = 0, end = 0;  // of pixels in a row that are inside
+  const auto distances_along = [&] {
+    for (int u = begin; u < end; ++u)
+      at[u] = static_cast<std::int16_t>(3 * std::min(u - begin + 1, end - u));
+  };
   // Other components may reach into the box: only this one's runs count. Its label is its first.
   for (int i = c.label; i < run_count_ && runs_[i].v <= c.v1; ++i) {
     const Run& r = runs_[i];
-    if ((r.v - c.v0) % step != 0 || r.label != c.label) continue;
+    if (r.label != c.label || (r.v - c.v0) % step != 0) continue;
     const int first = (r.u0 - c.u0 + step - 1) / step, last = (r.u1 - 1 - c.u0) / step;
-    std::int16_t* row = d + ((r.v - c.v0) / step + 1) * stride + 1;
-    for (int u = first; u <= last; ++u) row[u] = kFar;
-  }
-  // What comes from the row before is the same for all pixels; along the row one follows another.
-  const auto from_row = [w](const std::int16_t* __restrict row, std::int16_t* __restrict at) {
-    for (int u = 0; u < w; ++u) {
-      const int nearest = std::min(row[u] + 3, std::min(row[u - 1], row[u + 1]) + 4);
-      at[u] = static_cast<std::int16_t>(std::min<int>(at[u], nearest));
+    if (first > last) continue;
+    std::int16_t* const row = d + ((r.v - c.v0) / step + 1) * stride + 1;
+    if (row != at || first > end) {
+      distances_along();
+      at = row;
+      begin = first;
     }
-  };
-  for (int v = 0; v < h; ++v) {
-    std::int16_t* at = d + (v + 1) * stride + 1;
-    from_row(at - stride, at);
-    for (int u = 0, last = 0; u < w; ++u)
-      at[u] = static_cast<std::int16_t>(last = std::min<int>(at[u], last + 3));
+    end = last + 1;
   }
+  distances_along();
+  for (int v = 1; v <= h; ++v) distances_from(d + (v - 1) * stride + 1, w, d + v * stride + 1);
   Disc best;
   int deepest = 0;
-  for (int v = h - 1; v >= 0; --v) {
-    std::int16_t* at = d + (v + 1) * stride + 1;
-    from_row(at + stride, at);
-    for (int u = w - 1, last = 0; u >= 0; --u) {
-      at[u] = static_cast<std::int16_t>(last = std::min<int>(at[u], last + 3));
-      if (last <= deepest) continue;
-      deepest = last;
-      best.center = Eigen::Vector2f(c.u0 + u * step, c.v0 + v * step);
-    }
+  for (int v = h; v >= 1; --v) {
+    std::int16_t* const row = d + v * stride + 1;
+    distances_from(row + stride, w, row);
+    std::int16_t most = 0;
+    for (int u = 0; u < w; ++u) most = std::max(most, row[u]);
+    if (most <= deepest) continue;
+    deepest = most;
+    int u = w - 1;
+    while (row[u] != most) --u;
+    best.center = Eigen::Vector2f(c.u0 + u * step, c.v0 + (v - 1) * step);
   }
   best.radius = deepest / 3.0f * step;
   return best;

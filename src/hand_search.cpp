@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
-#include <numeric>
+
+#include "vectorised.hpp"
 
 #include "skin_samples.hpp"
 
@@ -30,15 +32,43 @@ bool may_be_hand(const Component& c, const Contour& contour) {
   return lobed > kLeastLobed && lobed < kMostLobed;
 }
 
-/// Bit k of word i becomes bit i of word k.
-void transpose(std::uint32_t* words) {
+/// Sets bit k of the marks of a row of bins whose channel times `sign` is above the threshold.
+HANDYAR_VECTORISED void mark_row(const std::int8_t* channel, int sign, int threshold, int k,
+                                 std::uint32_t* __restrict marks) {
+  for (int i = 0; i < kBinLevels; ++i)
+    marks[i] |= std::uint32_t{sign * channel[i] > threshold} << k;
+}
+
+/// Spreads counts of coarse colours over the neighbouring levels of one channel (1 2 1).
+template <int kStride>
+void smooth_along(const float* count, float* __restrict out) {
+  for (int first = 0; first < kCoarseCount; first += kCoarseLevels * kStride)
+    for (int level = 0; level < kCoarseLevels; ++level) {
+      const float* at = count + first + level * kStride;
+      const float* below = level > 0 ? at - kStride : at;
+      const float* above = level < kCoarseLevels - 1 ? at + kStride : at;
+      float* to = out + first + level * kStride;
+      for (int k = 0; k < kStride; ++k) to[k] = 0.25f * below[k] + 0.5f * at[k] + 0.25f * above[k];
+    }
+}
+
+constexpr int kBlocks = 8;  // of 32 pixels, side by side in a vector
+using MarksOfBlocks = std::array<std::uint32_t, kBlocks>;
+
+/// In each of the blocks, bit k of word i becomes bit i of word k.
+HANDYAR_VECTORISED void transpose(std::array<MarksOfBlocks, 32>& words) {
   std::uint32_t keep = 0x0000ffff;
   for (int by = 16; by > 0; by >>= 1, keep ^= keep << by)
     for (int i = 0; i < 32; i += 2 * by)
       for (int k = i; k < i + by; ++k) {
-        const std::uint32_t swapped = (words[k] >> by ^ words[k + by]) & keep;
-        words[k] ^= swapped << by;
-        words[k + by] ^= swapped;
+        MarksOfBlocks low = words[k], high = words[k + by];
+        for (int block = 0; block < kBlocks; ++block) {
+          const std::uint32_t swapped = (low[block] >> by ^ high[block]) & keep;
+          low[block] ^= swapped << by;
+          high[block] ^= swapped;
+        }
+        words[k] = low;
+        words[k + by] = high;
       }
 }
 
@@ -57,7 +87,6 @@ HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fi
       curvature_(fingertips),
       count_(kBinCount),
       smooth_(kBinCount),
-      hand_smooth_(kBinCount),
       coarse_(kCoarseCount),
       patch_(kCoarseCount),
       patch_smooth_(kCoarseCount),
@@ -76,6 +105,7 @@ void HandSearch::reserve(int max_pixels, int max_side) {
   outlines_.reserve(max_pixels, max_side);
   expectation_.ratios.resize(max_pixels / 4 + max_side);
   contour_.reserve(1 << 13);
+  seen_bins_.reserve(kBinCount);
 }
 
 void HandSearch::reset() noexcept {
@@ -97,6 +127,7 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
   std::ranges::fill(count_, 0.0f);
   for (const ColorBin b : image.used()) count_[b] += 1;
   const BinRows spread = smooth_histogram(count_, smooth_);
+  seen_bins_.clear();
   const float total = static_cast<float>(image.used().size());
   std::ranges::fill(coarse_, 0.0f);
   for (int row = 0; row < static_cast<int>(spread.size()); ++row) {
@@ -104,26 +135,26 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
     seen_[row] = spread[row] && std::any_of(count_.begin() + begin, count_.begin() + end,
                                             [](float c) { return c != 0; });
     if (!spread[row]) continue;
-    for (int i = begin; i < end; ++i) coarse_[coarse(i)] += smooth_[i] / total;
-    if (!seen_[row]) continue;
-    for (int i = begin; i < end; ++i)
-      scene_[i] = clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(smooth_[i] / total, 1e-6f)));
+    float* const coarse_row = coarse_.data() + coarse(begin);
+    for (int i = 0; i < kBinLevels; i += 2)
+      coarse_row[i / 2] =
+          coarse_row[i / 2] + smooth_[begin + i] / total + smooth_[begin + i + 1] / total;
+    for (int i = begin; seen_[row] && i < end; ++i)
+      if (count_[i] > 0) seen_bins_.push_back(static_cast<ColorBin>(i));
   }
+  for (const ColorBin i : seen_bins_)
+    scene_[i] = clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(smooth_[i] / total, 1e-6f)));
 }
 
 /// The learned hand against this scene, whatever it was learned before: how much more of a colour
 /// the hand has than the frame.
 void HandSearch::read_known(const BinImage& image, const SkinModel& skin) noexcept {
-  const auto count = skin.hand_count();
-  const float hand_total = std::accumulate(count.begin(), count.end(), 0.0f);
+  std::vector<float>& hand = count_;  // the frame's own are not needed any more
   const float total = static_cast<float>(image.used().size());
-  const BinRows spread = smooth_histogram(count, hand_smooth_);
-  for (int row = 0; row < static_cast<int>(seen_.size()); ++row) {
-    if (!seen_[row]) continue;
-    for (int i = row * kBinLevels; i < (row + 1) * kBinLevels; ++i) {
-      const float hand = spread[row] ? hand_smooth_[i] / hand_total : 0.0f;
-      known_[i] = clamp8(8 * std::log((hand + 1e-6f) / (smooth_[i] / total + 1e-6f)));
-    }
+  const BinRows spread = smooth_histogram(skin.hand_count(), hand);
+  for (const ColorBin i : seen_bins_) {
+    const float share = spread[i / kBinLevels] ? hand[i] / skin.hand_total() : 0.0f;
+    known_[i] = clamp8(8 * std::log((share + 1e-6f) / (smooth_[i] / total + 1e-6f)));
   }
 }
 
@@ -131,9 +162,7 @@ void HandSearch::add_levels(const Channel& channel, int levels) noexcept {
   // Thresholds that cut the scene's distribution of this channel where it is thin (Lloyd's
   // quantiser): between its clusters.
   std::array<float, 256> histogram{};
-  for (int row = 0; row < static_cast<int>(seen_.size()); ++row)
-    for (int i = row * kBinLevels; seen_[row] && i < (row + 1) * kBinLevels; ++i)
-      histogram[channel[i] + 128] += count_[i];
+  for (const ColorBin i : seen_bins_) histogram[channel[i] + 128] += count_[i];
   float sum_of_all = 0;
   for (const float c : histogram) sum_of_all += c;
   std::array<float, 9> center;
@@ -198,18 +227,12 @@ void HandSearch::read_patch(const BinImage& image, int patch) noexcept {
     for (int u = u0; u < u0 + width; ++u)
       patch_[coarse(image.bins[static_cast<std::size_t>(v) * image.width + u])] += 1;
   // One level around each colour.
-  for (int stride = 1; stride < kCoarseCount; stride *= kCoarseLevels) {
-    for (int i = 0; i < kCoarseCount; ++i) {
-      const int level = i / stride % kCoarseLevels;
-      const float below = level > 0 ? patch_[i - stride] : patch_[i];
-      const float above = level < kCoarseLevels - 1 ? patch_[i + stride] : patch_[i];
-      patch_smooth_[i] = 0.25f * below + 0.5f * patch_[i] + 0.25f * above;
-    }
-    patch_.swap(patch_smooth_);
-  }
+  smooth_along<1>(patch_.data(), patch_smooth_.data());
+  smooth_along<kCoarseLevels>(patch_smooth_.data(), patch_.data());
+  smooth_along<kCoarseLevels * kCoarseLevels>(patch_.data(), patch_smooth_.data());
   const float total = static_cast<float>(width * height);
   for (int i = 0; i < kCoarseCount; ++i)
-    in_patch_[i] = patch_[i] / total > 1.5f * coarse_[i] + 1e-4f;
+    in_patch_[i] = patch_smooth_[i] / total > 1.5f * coarse_[i] + 1e-4f;
 }
 
 /// Bit k of a bin's mark: reading k takes its colour for the hand's.
@@ -218,18 +241,16 @@ void HandSearch::mark_bins(const BinImage& image, std::span<const Reading> readi
   for (std::size_t k = 0; k < readings.size(); ++k) {
     const Reading& reading = readings[k];
     if (reading.patch >= 0) read_patch(image, reading.patch);
-    const int sign = reading.below ? -1 : 1;
     for (int row = 0; row < static_cast<int>(seen_.size()); ++row) {
       if (!seen_[row]) continue;
       const int begin = row * kBinLevels;
-      std::uint32_t* marks = marks_.data() + begin;
+      std::uint32_t* const marks = marks_.data() + begin;
       if (reading.patch >= 0) {
         const bool* in_patch = in_patch_.data() + coarse(begin);
         for (int i = 0; i < kBinLevels; ++i) marks[i] |= std::uint32_t{in_patch[i / 2]} << k;
       } else {
-        const std::int8_t* channel = reading.channel->data() + begin;
-        for (int i = 0; i < kBinLevels; ++i)
-          marks[i] |= std::uint32_t{sign * channel[i] > reading.threshold} << k;
+        mark_row(reading.channel->data() + begin, reading.below ? -1 : 1, reading.threshold,
+                 static_cast<int>(k), marks);
       }
     }
   }
@@ -240,13 +261,13 @@ void HandSearch::draw_masks(const BinImage& image, int count) noexcept {
   for (int k = 0; k < count; ++k) masks_[k].resize(image.width, image.height);
   const ColorBin* bin = image.bins.data();
   for (int v = 0; v < image.height; ++v)
-    for (int u = 0; u < image.width; u += 32) {
-      std::array<std::uint32_t, 32> block{};
-      const int length = std::min(32, image.width - u);
-      for (int i = 0; i < length; ++i) block[i] = marks_[*bin++];
-      transpose(block.data());
+    for (int u = 0; u < image.width; u += 32 * kBlocks) {
+      std::array<MarksOfBlocks, 32> marks{};
+      const int length = std::min(32 * kBlocks, image.width - u);
+      for (int i = 0; i < length; ++i) marks[i & 31][i >> 5] = marks_[*bin++];
+      transpose(marks);
       for (int k = 0; k < count; ++k)
-        masks_[k].row(v)[u >> 6] |= std::uint64_t{block[k]} << (u & 32);
+        std::memcpy(masks_[k].row(v) + (u >> 6), marks[k].data(), (length + 63) / 64 * 8);
     }
 }
 

@@ -233,27 +233,32 @@ bool HandShapeModel::fit(const HandShapeConfig& config, HandShape& shape) const 
   for (int f = 0; f < kFingerCount; ++f) points.col(f) = shape.tips[f];
   for (int k = 0; k < kValleyCount; ++k) points.col(kFingerCount + k) = shape.valleys[k];
   // The mean is a thumb_right hand: fit it, and mirror the map for the other layout.
-  shape.image_hand = points * fit_;
-  const Eigen::Matrix2f linear = shape.image_hand.leftCols<2>();
+  const Eigen::Matrix<float, 2, 3> map = points * fit_;
+  const Eigen::Matrix2f linear = map.leftCols<2>();
   const float det = linear.determinant(), norm = linear.squaredNorm();
   const float root = std::sqrt(std::max(norm * norm - 4 * det * det, 0.0f));
   const float larger = std::sqrt(0.5f * (norm + root));
   const float smaller = std::sqrt(std::max(0.5f * (norm - root), 0.0f));
   shape.finger_width = kFingerWidth_m * std::sqrt(larger * smaller);
+  const bool right = shape.layout == Layout::thumb_right;
+  shape.image_hand = map;
+  if (!right) shape.image_hand.col(0) *= -1;
+  // y points up on the hand and down in the image: the map turns orientation over.
+  const bool faces_us = right ? det < 0 : det > 0;
+  shape.deviation = std::numeric_limits<float>::max();
+  if (!faces_us || smaller <= config.min_aspect * larger) return false;
   // What the map leaves, in millimetres of a hand seen from the front, y along the fingers, x to
   // the thumb: against how hands vary.
   Eigen::Matrix2f axes;  // rows: the hand's x and y direction in the image
   axes.row(1) = linear.col(1).normalized().transpose();
   axes.row(0) = Eigen::RowVector2f(-axes(1, 1), axes(1, 0));
-  if (shape.layout == Layout::thumb_left) axes.row(0) = -axes.row(0);
-  const Eigen::Matrix<float, 2, kPoints> rest =
-      (1000 / larger) * axes * (points - shape.image_hand * mean_);
+  if (!right) axes.row(0) = -axes.row(0);
+  const Eigen::Matrix<float, 2, kPoints> rest = (1000 / larger) * axes * (points - map * mean_);
   const Eigen::Map<const Eigen::Matrix<float, 2 * kPoints, 1>> flat(rest.data());
-  shape.deviation = strictness_ * std::sqrt((kWhitening * flat).squaredNorm() / kWhitening.rows());
-  // y points up on the hand and down in the image: the map turns orientation over.
-  const bool faces_us = shape.layout == Layout::thumb_right ? det < 0 : det > 0;
-  if (shape.layout == Layout::thumb_left) shape.image_hand.col(0) *= -1;
-  return faces_us && smaller > config.min_aspect * larger && shape.deviation < config.max_deviation;
+  Eigen::Matrix<float, 12, 1> deviations = Eigen::Matrix<float, 12, 1>::Zero();
+  for (int i = 0; i < 2 * kPoints; ++i) deviations += kWhitening.col(i) * flat[i];
+  shape.deviation = strictness_ * std::sqrt(deviations.squaredNorm() / kWhitening.rows());
+  return shape.deviation < config.max_deviation;
 }
 
 bool fills_region(const HandShape& shape, const Mask& mask,
@@ -270,19 +275,20 @@ bool find_hand_shape(const CurvatureFinder& curvature, const Contour& contour, c
   const int n = static_cast<int>(tips.size());
   if (n < kFingerCount) return false;
 
-  // Which tips can be neighbouring fingers: valley[i][j] clockwise from i to j, or -1.
+  // Which tips can be neighbouring fingers: valley[i][step] clockwise from i, or -1.
+  const int max_step = n - (kFingerCount - 1);  // the other four are ahead
   constexpr int kMax = CurvatureFinder::kMaxTips;
   std::array<std::array<int, kMax>, kMax> valley;
   for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) {
-      valley[i][j] = -1;
-      if (i == j) continue;
+    for (int step = 1; step <= max_step; ++step) {
+      const int j = (i + step) % n;
+      valley[i][step] = -1;
       const float distance = (tips[i].at - tips[j].at).norm();
       if (distance > 5 * palm_radius) continue;
       float depth = 0;
       const int at = curvature.valley(tips[i].sample, tips[j].sample, &depth);
       if (depth > config.min_valley_depth * palm_radius && depth < 4.5f * palm_radius)
-        valley[i][j] = at;
+        valley[i][step] = at;
     }
 
   best.deviation = static_cast<float>(config.max_deviation);
@@ -302,7 +308,8 @@ bool find_hand_shape(const CurvatureFinder& curvature, const Contour& contour, c
       }
       for (int k = 0; k < kValleyCount; ++k) {
         const int gap = reversed ? kValleyCount - 1 - k : k;
-        shape.valleys[k] = samples[valley[clockwise[gap]][clockwise[gap + 1]]];
+        shape.valleys[k] =
+            samples[valley[clockwise[gap]][(clockwise[gap + 1] - clockwise[gap] + n) % n]];
       }
       if (!model.fit(config, shape)) continue;
       if (shape.deviation >= best.deviation || !fills_region(shape, mask, config) ||
@@ -316,10 +323,10 @@ bool find_hand_shape(const CurvatureFinder& curvature, const Contour& contour, c
   std::array<int, kFingerCount> chain;
   const auto extend = [&](auto&& self, int length, int turned) -> void {
     if (length == kFingerCount) return consider(chain);
-    for (int step = 1; turned + step < n; ++step) {
-      const int next = (chain[length - 1] + step) % n;
-      if (valley[chain[length - 1]][next] < 0) continue;
-      chain[length] = next;
+    const int at = chain[length - 1];
+    for (int step = 1; step <= max_step && turned + step < n; ++step) {
+      if (valley[at][step] < 0) continue;
+      chain[length] = (at + step) % n;
       self(self, length + 1, turned + step);
     }
   };

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <functional>
 
+#include "vectorised.hpp"
+
 namespace handyar {
 namespace {
 
@@ -15,7 +17,8 @@ int words_for(int width) { return (width + Mask::kMargin + 63) / 64; }
 
 /// Each pixel becomes the combination of itself and the pixels `by` to both sides of it.
 template <class Combine>
-void combine_across(const Mask& from, Mask& to, int by, Combine combine) {
+[[gnu::always_inline]] inline void combine_across(const Mask& from, Mask& to, int by,
+                                                  Combine combine) {
   const Word* __restrict p = from.words.data();
   Word* __restrict q = to.words.data();
   const int last = from.stride * from.rows() - 1;
@@ -27,7 +30,8 @@ void combine_across(const Mask& from, Mask& to, int by, Combine combine) {
 }
 
 template <class Combine>
-void combine_along(const Mask& from, Mask& to, int by, Combine combine) {
+[[gnu::always_inline]] inline void combine_along(const Mask& from, Mask& to, int by,
+                                                 Combine combine) {
   const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(by) * from.stride;
   const Word* __restrict p = from.words.data();
   Word* __restrict q = to.words.data();
@@ -38,7 +42,8 @@ void combine_along(const Mask& from, Mask& to, int by, Combine combine) {
 
 /// A window of 2 r + 1 pixels is three of 2 s + 1 that touch or overlap: few steps make a wide one.
 template <class Combine>
-void combine_square(Mask& mask, int radius, Mask& scratch, Combine combine) {
+[[gnu::always_inline]] inline void combine_square(Mask& mask, int radius, Mask& scratch,
+                                                  Combine combine) {
   scratch.resize(mask.width, mask.height);
   for (int covered = 0; covered < radius;) {
     const int by = std::min(2 * covered + 1, radius - covered);
@@ -116,15 +121,15 @@ void Mask::unpack(std::uint8_t* to) const noexcept {
   }
 }
 
-void erode(Mask& mask, int radius, Mask& scratch) noexcept {
+HANDYAR_VECTORISED void erode(Mask& mask, int radius, Mask& scratch) noexcept {
   combine_square(mask, radius, scratch, std::bit_and<Word>());
 }
 
-void dilate(Mask& mask, int radius, Mask& scratch) noexcept {
+HANDYAR_VECTORISED void dilate(Mask& mask, int radius, Mask& scratch) noexcept {
   combine_square(mask, std::min(radius, kMaxDilation), scratch, std::bit_or<Word>());
 }
 
-void majority(Mask& mask, Mask& scratch) noexcept {
+HANDYAR_VECTORISED void majority(Mask& mask, Mask& scratch) noexcept {
   scratch.copy(mask);
   const Word* const p = scratch.words.data();
   const std::ptrdiff_t stride = mask.stride, end = stride * (mask.rows() - 1);
@@ -151,7 +156,7 @@ void majority(Mask& mask, Mask& scratch) noexcept {
   }
 }
 
-void intersect(Mask& mask, const Mask& other) noexcept {
+HANDYAR_VECTORISED void intersect(Mask& mask, const Mask& other) noexcept {
   const Word* __restrict from = other.words.data();
   Word* __restrict to = mask.words.data();
   const int count = mask.stride * mask.rows();

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "vectorised.hpp"
+
 namespace handyar {
 namespace {
 
@@ -42,12 +44,37 @@ std::vector<std::uint8_t> prior_of(const SkinColors& colors) {
 }
 
 /// Natural logarithm to 1e-3, by the exponent and a cubic; the table needs no more.
-float fast_log(float x) {
+[[gnu::always_inline]] inline float fast_log(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x);
   const float exponent = static_cast<float>(static_cast<int>(bits >> 23) - 127);
   const float m = std::bit_cast<float>((bits & 0x007fffffu) | 0x3f800000u) - 1.0f;
   const float log2m = m * (1.4385f + m * (-0.6765f + m * (0.3196f - 0.0822f * m)));
   return 0.6931472f * (exponent + log2m);
+}
+
+/// Of a row of bins, hand or background: what was learned, and the prior.
+struct RowShares {
+  const float* count;
+  const std::uint8_t* prior;
+  float count_weight, prior_weight;
+};
+
+/// Ratios of a row of bins; `probability` is that of each entry of a prior's table.
+HANDYAR_VECTORISED void mix_row(const RowShares& hand, const RowShares& background,
+                                const float* probability, std::int8_t* __restrict out) {
+  constexpr float kLimit = 32;
+  std::array<float, kBinLevels> skin, other;
+  for (int k = 0; k < kBinLevels; ++k) {
+    skin[k] = probability[hand.prior[k]];
+    other[k] = probability[background.prior[k]];
+  }
+  for (int k = 0; k < kBinLevels; ++k) {
+    const float p = hand.count_weight * hand.count[k] + hand.prior_weight * skin[k];
+    const float q =
+        background.count_weight * background.count[k] + background.prior_weight * other[k];
+    const float ratio = 8 * (fast_log(p + kMinProbability) - fast_log(q + kMinProbability));
+    out[k] = static_cast<std::int8_t>(std::clamp(ratio, -kLimit, kLimit));
+  }
 }
 
 }  // namespace
@@ -186,24 +213,16 @@ void SkinModel::rebuild() noexcept {
   const Part background =
       smooth(learned_.background_, config_.background_prior_weight, background_smooth_);
   const auto mix = [&](int row, const float* hand_count, const float* background_count,
-                       std::int8_t* __restrict out) {
-    constexpr float kLimit = 32;
-    std::array<float, kBinLevels> skin, other;
-    for (int k = 0; k < kBinLevels; ++k) {
-      skin[k] = probability_[prior_skin()[row * kBinLevels + k]];
-      other[k] = probability_[prior_other()[row * kBinLevels + k]];
-    }
-    for (int k = 0; k < kBinLevels; ++k) {
-      const float p = hand.scale * hand_count[k] + hand.prior * skin[k];
-      const float q = background.scale * background_count[k] + background.prior * other[k];
-      const float ratio = 8 * (fast_log(p + kMinProbability) - fast_log(q + kMinProbability));
-      out[k] = static_cast<std::int8_t>(std::clamp(ratio, -kLimit, kLimit));
-    }
+                       Ratios& ratios) {
+    const int first = row * kBinLevels;
+    mix_row({hand_count, prior_skin().data() + first, hand.scale, hand.prior},
+            {background_count, prior_other().data() + first, background.scale, background.prior},
+            probability_.data(), ratios.data() + first);
   };
   if (hand.prior != hand_prior_ || background.prior != background_prior_) {
     hand_prior_ = hand.prior;
     background_prior_ = background.prior;
-    for (int r = 0; r < kRows; ++r) mix(r, kEmpty, kEmpty, unseen_.data() + r * kBinLevels);
+    for (int r = 0; r < kRows; ++r) mix(r, kEmpty, kEmpty, unseen_);
   }
   learned_.ratios_ = unseen_;
   for (int r = 0; r < kRows; ++r) {
@@ -211,8 +230,7 @@ void SkinModel::rebuild() noexcept {
     const auto row = [&](const Part& part, const std::vector<float>& counts) {
       return part.rows[r] ? counts.data() + r * kBinLevels : kEmpty;
     };
-    mix(r, row(hand, hand_smooth_), row(background, background_smooth_),
-        learned_.ratios_.data() + r * kBinLevels);
+    mix(r, row(hand, hand_smooth_), row(background, background_smooth_), learned_.ratios_);
   }
   learned_.version_ = ++version_;
 }

@@ -2,9 +2,10 @@
 #pragma once
 
 // One source, compiled for the plain instruction set and for AVX2; the machine chooses when the
-// library is loaded. Sanitizers are not ready that early.
+// library is loaded. Both give the same bits. Sanitizers are not ready that early, and a build with
+// HANDYAR_PLAIN is plain.
 #if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(HANDYAR_PLAIN)
 #define HANDYAR_VECTORISED [[gnu::target_clones("avx2", "default")]]
 #else
 #define HANDYAR_VECTORISED

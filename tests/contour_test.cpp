@@ -134,6 +134,17 @@ TEST(Contour, NothingToFollow) {
   DrawnMask long_way(200, 200, [](int, int) { return true; });
   long_way.contour.reserve(100);
   EXPECT_FALSE(long_way.trace_largest());
+  DrawnMask empty(20, 20, [](int, int) { return false; });
+  EXPECT_FALSE(empty.contour.trace(empty.region.mask()));
+  EXPECT_EQ(empty.contour.size(), 0);
+}
+
+TEST(Contour, OfASingleComponentWithoutBeingToldWhichOne) {
+  DrawnMask disc(90, 80, [](int u, int v) { return std::hypot(u - 44, v - 44) < 30; });
+  ASSERT_TRUE(disc.trace_largest());
+  const auto told = points_of(disc.contour);
+  ASSERT_TRUE(disc.contour.trace(disc.region.mask()));
+  EXPECT_EQ(points_of(disc.contour), told);
 }
 
 TEST(Contour, IndexAtIsTheInverseOfArcLengthAndWrapsAround) {

@@ -40,16 +40,6 @@ Mask packed(const HandMask& from) {
   return mask;
 }
 
-/// The region that is left in the tracker's mask: only where it begins is asked for here.
-Component component_of(const Mask& mask) {
-  Component c;
-  c.u1 = mask.width - 1;
-  c.v1 = mask.height - 1;
-  while (c.v0 < mask.height && mask.next_set(c.v0, 0) >= mask.width) ++c.v0;
-  if (c.v0 < mask.height) c.first_u = mask.next_set(c.v0, 0);
-  return c;
-}
-
 /// The hand of a result in mask pixels.
 HandShape shape_of(const TrackResult& result, const HandMask& mask) {
   HandShape shape;
@@ -85,7 +75,7 @@ struct Stages {
         shape(shape_of(result, hand_mask)),
         curvature(config) {
     contour.reserve(1 << 14);
-    if (contour.trace(mask, component_of(mask))) curvature.find(contour, shape.palm_radius());
+    if (contour.trace(mask)) curvature.find(contour, shape.palm_radius());
   }
   Eigen::Vector2d to_input(const Eigen::Vector2f& p) const {
     const double centre = 0.5 * (hand_mask.step_px - 1);

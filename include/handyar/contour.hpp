@@ -18,6 +18,8 @@ class Contour {
 
   /// Follows the boundary (Moore neighbours). False when it is longer than there is room for.
   bool trace(const Mask& mask, const Component& component) noexcept;
+  /// The same for a mask of a single component; false when nothing is set, too.
+  bool trace(const Mask& mask) noexcept;
 
   int size() const noexcept { return size_; }
   /// Point i in mask pixels.

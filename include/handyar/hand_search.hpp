@@ -83,8 +83,8 @@ class HandSearch {
   CurvatureFinder curvature_;
   Channel known_, prior_, scene_, luma_, red_, blue_;
   std::vector<float> count_, smooth_;  ///< of the scene's colours
-  std::vector<float> hand_smooth_;     ///< of the learned hand's colours
-  BinRows seen_{};                     ///< rows of bins that the scene has
+  std::vector<ColorBin> seen_bins_;    ///< that the scene has; channels need no others
+  BinRows seen_{};                     ///< rows of bins that hold some of these
   std::vector<float> coarse_, patch_, patch_smooth_;
   std::array<bool, 4096> in_patch_{};
   std::array<Reading, 128> readings_;

@@ -77,7 +77,8 @@ class HandShapeModel {
   HandShapeModel(const HandModel& hand, const HandShapeConfig& config);
 
   /// Fits the shape's tips and valleys affinely and compares what is left with how hands vary; sets
-  /// image_hand, deviation and finger_width. False when the shape is no hand's.
+  /// image_hand, deviation and finger_width. False when the shape is no hand's; where the map alone
+  /// tells that, the deviation is the largest number.
   bool fit(const HandShapeConfig& config, HandShape& shape) const noexcept;
 
  private:

@@ -85,6 +85,7 @@ class SkinModel {
 
   /// How often each bin was seen on the hand over the last frames.
   std::span<const float> hand_count() const noexcept { return learned_.hand_.count; }
+  float hand_total() const noexcept { return learned_.hand_.total; }  ///< all bins together
 
   const Ratios& ratios() const noexcept { return learned_.ratios_; }
 
