@@ -6,9 +6,8 @@
 #include <cstring>
 #include <numbers>
 
-#include "vectorised.hpp"
-
 #include "skin_samples.hpp"
+#include "vectorised.hpp"
 
 namespace handyar {
 namespace {
@@ -101,7 +100,7 @@ void HandSearch::reserve(int max_pixels, int max_side) {
   region_.reserve(max_pixels, max_side);
   for (Mask& mask : masks_) mask.reserve(max_pixels, max_side);
   for (Mask* mask : {&scratch_mask_, &found_mask_}) mask->reserve(max_pixels, max_side);
-  for (BinImage* part : {&around_, &found_around_}) part->bins.resize(max_pixels);
+  around_.bins.resize(max_pixels);
   outlines_.reserve(max_pixels, max_side);
   expectation_.ratios.resize(max_pixels / 4 + max_side);
   contour_.reserve(1 << 13);
@@ -306,12 +305,9 @@ bool HandSearch::try_mask(int mask, HandShape& best) noexcept {
   return true;
 }
 
-/// The region whose colours are those along the proposed hand's fingers rather than those around
-/// it, wherever it reaches and then where the hand should be.
-bool HandSearch::try_proposal(const BinImage& image, const HandShape& proposal,
-                              HandShape& best) noexcept {
-  const Eigen::AlignedBox2f box = proposal.bounds();
-  const int margin = static_cast<int>(proposal.palm_radius());
+void HandSearch::read_around(const BinImage& image, const HandShape& hand) noexcept {
+  const Eigen::AlignedBox2f box = hand.bounds();
+  const int margin = static_cast<int>(hand.palm_radius());
   const int u0 = std::clamp(int(box.min().x()) - margin, 0, image.width);
   const int v0 = std::clamp(int(box.min().y()) - margin, 0, image.height);
   around_.width = std::clamp(int(box.max().x()) + margin, u0, image.width) - u0;
@@ -322,7 +318,16 @@ bool HandSearch::try_proposal(const BinImage& image, const HandShape& proposal,
   for (int v = 0; v < around_.height; ++v)
     std::copy_n(image.bins.begin() + (v0 + v) * image.width + u0, around_.width,
                 around_.bins.begin() + v * around_.width);
-  const HandShape hand = proposal.transformed(1, -Eigen::Vector2f(float(u0), float(v0)));
+}
+
+/// The region whose colours are those along the proposed hand's fingers rather than those around
+/// it, wherever it reaches and then where the hand should be.
+bool HandSearch::try_proposal(const BinImage& image, const HandShape& proposal,
+                              HandShape& best) noexcept {
+  read_around(image, proposal);
+  const Eigen::Vector2f offset =
+      (around_.origin_px() - image.origin_px()) / static_cast<float>(image.step_px);
+  const HandShape hand = proposal.transformed(1, -offset);
   sample_skin(around_, nullptr, hand, *samples_);
   proposed_skin_.reset();
   proposed_skin_.widen();
@@ -338,10 +343,6 @@ bool HandSearch::try_proposal(const BinImage& image, const HandShape& proposal,
       continue;
     found_mask_.copy(region_.mask());
     found = true;
-  }
-  if (found) {
-    std::swap(around_, found_around_);
-    found_image_ = &found_around_;
   }
   return found;
 }
@@ -371,14 +372,15 @@ bool HandSearch::find(const BinImage& image, const SkinModel& skin, HandShape& s
     if (try_mask(k, shape)) winner = k;
   found_by_skin_ = winner >= 0 && winner < learned;
   found_image_ = &image;
-  bool found = winner >= 0;
-  if (shape.deviation < shape_config_.sure_deviation) return found;
-  for (const HandShape& proposal : outlines_.find(image)) {
-    if (!try_proposal(image, proposal, shape)) continue;
-    found_by_skin_ = false;
-    found = true;
-  }
-  return found;
+  if (shape.deviation < shape_config_.sure_deviation) return true;
+  const HandShape* proposed = nullptr;
+  for (const HandShape& proposal : outlines_.find(image))
+    if (try_proposal(image, proposal, shape)) proposed = &proposal;
+  if (proposed == nullptr) return winner >= 0;
+  found_by_skin_ = false;
+  read_around(image, *proposed);
+  found_image_ = &around_;
+  return true;
 }
 
 }  // namespace handyar

@@ -160,19 +160,13 @@ void OutlineSearch::make_templates() {
 }
 
 void OutlineSearch::reserve(int max_pixels, int max_side) {
-  std::size_t largest = 0, all = 0;
-  float scale = static_cast<float>(config_.least_finger_bins) / kFingerWidth_px;
-  for (int k = 0; k < kMaxLevels && scale * kLeastSide_px <= static_cast<float>(max_side);
-       ++k, scale *= kLevelRatio) {
-    const float pixels = static_cast<float>(max_pixels) / (scale * scale) +
-                         4 * (kMargin + 1) * static_cast<float>(max_side) / scale +
-                         4 * (kMargin + 1) * (kMargin + 1);
-    largest = std::max(largest, static_cast<std::size_t>(pixels));
-    all += static_cast<std::size_t>(pixels);
-  }
+  const float scale = static_cast<float>(config_.least_finger_bins) / kFingerWidth_px;
+  const auto largest = static_cast<std::size_t>(
+      static_cast<float>(max_pixels) / (scale * scale) +
+      4 * (kMargin + 1) * (static_cast<float>(max_side) / scale + kMargin + 1));
   colors_.resize(3 * largest);
   edges_.resize(kMaps * largest);
-  maps_.resize(kMaps * all + 2 * kBlock);  // whole blocks are read
+  maps_.resize(kMaps * largest + 2 * kBlock);  // whole blocks are read
   highest_.resize(max_side + 4 * kMargin);
   sums_.resize(max_side / 2 + 2 * kMargin + 2 * kBlock);
   offsets_.resize(templates_.empty() ? 0 : 2 * templates_[0].features.size());
@@ -220,7 +214,9 @@ void OutlineSearch::read_colors(const BinImage& image, int width, int height,
 
 /// Leaves the maps of the image at 1/scale of its size: where an edge of each direction is near,
 /// and where none is.
-void OutlineSearch::read_level(const BinImage& image, Level& level) noexcept {
+void OutlineSearch::read_level(const BinImage& image, float scale) noexcept {
+  Level& level = level_;
+  level.scale = scale;
   const int w = static_cast<int>(static_cast<float>(image.width) / level.scale);
   const int h = static_cast<int>(static_cast<float>(image.height) / level.scale);
   level.width = (w + 2 * kMargin + 1) & ~1;
@@ -252,15 +248,16 @@ void OutlineSearch::read_level(const BinImage& image, Level& level) noexcept {
       to[kEdgeDirections * size] = e.calm;
     }
   }
-  for (int m = 0; m < kMaps; ++m) spread(level, m);
+  for (int m = 0; m < kMaps; ++m) spread(m);
 }
 
 /// Edges reach one pixel further on every side, for hands differ; columns are sorted.
-void OutlineSearch::spread(const Level& level, int map) noexcept {
+void OutlineSearch::spread(int map) noexcept {
+  const Level& level = level_;
   const int w = level.width;
   const std::uint8_t* from = edges_.data() + map * w * level.height;
-  std::uint8_t* __restrict even = level.maps + level.offset(map, 0, 0);
-  std::uint8_t* __restrict odd = level.maps + level.offset(map, 1, 0);
+  std::uint8_t* __restrict even = maps_.data() + level.offset(map, 0, 0);
+  std::uint8_t* __restrict odd = maps_.data() + level.offset(map, 1, 0);
   std::uint8_t* __restrict high = highest_.data() + 1;
   for (int y = 0; y < level.height; ++y, even += w / 2, odd += w / 2) {
     const std::uint8_t* at = from + y * w;
@@ -282,8 +279,8 @@ void OutlineSearch::spread(const Level& level, int map) noexcept {
 }
 
 /// Adds up what lies under the features at every second place of every second row.
-void OutlineSearch::slide(const Template& t, int level_index) noexcept {
-  const Level& level = levels_[level_index];
+void OutlineSearch::slide(const Template& t) noexcept {
+  const Level& level = level_;
   const int x0 = (t.left + 1) & ~1, count = (level.width - t.right - x0) / 2;
   if (count <= 0) return;
   const int features = static_cast<int>(t.features.size()), blocks = (count + kBlock - 1) / kBlock;
@@ -297,7 +294,7 @@ void OutlineSearch::slide(const Template& t, int level_index) noexcept {
   const float enough = 0.95f * worst * static_cast<float>(early) / static_cast<float>(features);
   std::uint16_t* sum = sums_.data();
   for (int y = t.up; y + t.down < level.height; y += 2) {
-    const std::uint8_t* at = level.maps + y * level.row_size();
+    const std::uint8_t* at = maps_.data() + y * level.row_size();
     std::fill_n(sum, blocks * kBlock, std::uint16_t{0});
     const auto add = [&](int from, int to) {
       for (const int* k = offsets_.data() + from; k < offsets_.data() + to; k += 4)
@@ -311,26 +308,26 @@ void OutlineSearch::slide(const Template& t, int level_index) noexcept {
     if (proposal_count_ == config_.proposals && highest <= proposals_[proposal_count_ - 1].score)
       continue;
     const int best = static_cast<int>(std::find(sum, sum + count, highest) - sum);
-    propose(t, Eigen::Vector2f(float(x0 + 2 * best), float(y)), level_index, highest);
+    propose(t, Eigen::Vector2f(float(x0 + 2 * best), float(y)), highest);
   }
 }
 
-void OutlineSearch::propose(const Template& t, const Eigen::Vector2f& at_px, int level,
-                            int score) noexcept {
-  const float scale = levels_[level].scale;
+void OutlineSearch::propose(const Template& t, const Eigen::Vector2f& at_px, int score) noexcept {
+  const float scale = level_.scale;
   const Eigen::Matrix2f linear = scale * t.px_per_m;
   const Eigen::Vector2f origin = (scale * (at_px.array() - kMargin + 0.5f) - 0.5f).matrix();
-  Proposal made{hand_, score, level};
+  Proposal made{hand_, {}, score};
   made.shape.layout = t.layout;
   for (auto& p : made.shape.tips) p = linear * p + origin;
   made.shape.image_hand << linear, origin;
+  made.slid_tips = made.shape.tips;
   // One place, one proposal: the better one.
   const float near = 0.15f * kFingerCount * (made.shape.tips[0] - made.shape.tips[4]).norm();
   int at = proposal_count_;
   for (int k = 0; k < proposal_count_ && at == proposal_count_; ++k) {
     float distance = 0;
     for (int f = 0; f < kFingerCount; ++f)
-      distance += (made.shape.tips[f] - proposals_[k].shape.tips[f]).norm();
+      distance += (made.slid_tips[f] - proposals_[k].slid_tips[f]).norm();
     if (distance > near) continue;
     if (proposals_[k].score >= score) return;
     at = k;
@@ -345,14 +342,14 @@ void OutlineSearch::propose(const Template& t, const Eigen::Vector2f& at_px, int
 
 /// Moves the hand as a whole and then each finger by itself to where edges lie under most of its
 /// outline.
-HandShape OutlineSearch::align(const Proposal& proposal) const noexcept {
-  const Level& level = levels_[proposal.level];
+void OutlineSearch::align(HandShape& shape) const noexcept {
+  const Level& level = level_;
   const auto under = [&](const Eigen::Vector2f& p, const Eigen::Vector2f& normal) {
     const int x = static_cast<int>(p.x() + 0.5f), y = static_cast<int>(p.y() + 0.5f);
     if (x < 0 || y < 0 || x >= level.width || y >= level.height) return kBeyond;
-    return int{level.maps[level.offset(nearest_direction(normal), x, y)]};
+    return int{maps_[level.offset(nearest_direction(normal), x, y)]};
   };
-  Eigen::Matrix<float, 2, 3> map = proposal.shape.image_hand / level.scale;
+  Eigen::Matrix<float, 2, 3> map = shape.image_hand / level.scale;
   map.col(2).array() += 0.5f / level.scale - 0.5f + kMargin;
   const auto score = [&](const Eigen::Matrix<float, 2, 3>& m) {
     const Eigen::Matrix2f linear = m.leftCols<2>(), normals = linear.inverse().transpose();
@@ -399,7 +396,6 @@ HandShape OutlineSearch::align(const Proposal& proposal) const noexcept {
   const auto to_image = [&](const Eigen::Vector2f& p_m) -> Eigen::Vector2f {
     return level.scale * ((linear * p_m + map.col(2)).array() - kMargin + 0.5f) - 0.5f;
   };
-  HandShape shape = proposal.shape;
   for (int k = 0; k < kValleyCount; ++k) shape.valleys[k] = to_image(hand_.valleys[k]);
   for (int f = 0; f < kFingerCount; ++f) {
     const Eigen::Vector2f base = hand_.finger_base(f), along = (hand_.tips[f] - base).normalized();
@@ -423,7 +419,6 @@ HandShape OutlineSearch::align(const Proposal& proposal) const noexcept {
   shape.image_hand << level.scale * linear, to_image(Eigen::Vector2f::Zero());
   if (shape.layout == Layout::thumb_left) shape.image_hand.col(0) *= -1;
   shape.finger_width = hand_.finger_width * level.scale * std::sqrt(std::abs(linear.determinant()));
-  return shape;
 }
 
 std::span<const HandShape> OutlineSearch::find(const BinImage& image) noexcept {
@@ -431,22 +426,23 @@ std::span<const HandShape> OutlineSearch::find(const BinImage& image) noexcept {
   if (config_.proposals == 0) return {};
   const int per_direction = static_cast<int>(templates_.size()) / kHandDirections;
   const int apart = kHandDirections / config_.directions_per_frame;
-  float scale = static_cast<float>(config_.least_finger_bins) / kFingerWidth_px;
-  std::uint8_t* maps = maps_.data();
-  for (int k = 0; k < kMaxLevels; ++k, scale *= kLevelRatio) {
-    if (static_cast<float>(std::min(image.width, image.height)) < scale * kLeastSide_px) break;
-    levels_[k].scale = scale;
-    levels_[k].maps = maps;
-    read_level(image, levels_[k]);
-    maps += 2 * kMaps * levels_[k].plane_size();
+  for (float scale = static_cast<float>(config_.least_finger_bins) / kFingerWidth_px;
+       static_cast<float>(std::min(image.width, image.height)) >= scale * kLeastSide_px;
+       scale *= kLevelRatio) {
+    read_level(image, scale);
     for (int i = 0; i < config_.directions_per_frame; ++i) {
       const int direction = (turn_ + i * apart) % kHandDirections;
-      for (int j = 0; j < per_direction; ++j) slide(templates_[direction * per_direction + j], k);
+      for (int j = 0; j < per_direction; ++j) slide(templates_[direction * per_direction + j]);
+    }
+    // While the level is at hand.
+    for (int k = 0; k < proposal_count_; ++k) {
+      if (!proposals_[k].aligned) align(proposals_[k].shape);
+      proposals_[k].aligned = true;
     }
   }
   turn_ = (turn_ + 1) % apart;
-  for (int k = 0; k < proposal_count_; ++k) aligned_[k] = align(proposals_[k]);
-  return {aligned_.data(), static_cast<std::size_t>(proposal_count_)};
+  for (int k = 0; k < proposal_count_; ++k) found_[k] = proposals_[k].shape;
+  return {found_.data(), static_cast<std::size_t>(proposal_count_)};
 }
 
 }  // namespace handyar

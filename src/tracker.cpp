@@ -114,14 +114,12 @@ struct HandTracker::Impl {
   struct {
     HandShape shape;
     bool following = false;
-    SkinModel::Learned skin;
   } before_search;  // what was known, until what the search found is a hand at a closer look
 };
 
 void HandTracker::Impl::forget() noexcept {
   skin.reset();
   skin.keep(trusted_skin);
-  skin.keep(before_search.skin);
   search.reset();
   filter.reset();
   time_s = -std::numeric_limits<double>::infinity();
@@ -168,7 +166,6 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   }
   before_search.shape = shape;
   before_search.following = following;
-  skin.keep(before_search.skin);
   following = following && state == State::lost && candidate.may_follow(shape);
   if (!following) velocity_px_s.setZero();
   shape = candidate;
@@ -187,7 +184,7 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
 void HandTracker::Impl::forget_found() noexcept {
   shape = before_search.shape;
   following = before_search.following;
-  skin.restore(before_search.skin);
+  skin.restore(trusted_skin);
 }
 
 PixelRect HandTracker::Impl::region_of_interest(double dt_s) const noexcept {

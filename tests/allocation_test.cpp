@@ -126,7 +126,7 @@ std::size_t memory(const Config& config, int width, int height) {
 }
 
 TEST_P(Allocations, TakeAsMuchAsIsDocumented) {
-  EXPECT_LT(memory(config(), 640, 480), 4'000'000u);
+  EXPECT_LT(memory(config(), 640, 480), 6'100'000u);
   EXPECT_LT(memory(config(), 1920, 1080), 14'000'000u);
 }
 

@@ -46,7 +46,7 @@ FramePath look_for_hand(const FrameBytes& f) {
     if (search.find(bins, skin, shape)) {
       path.push_back(shape.deviation);
       add(path, shape.tips);
-      add(path, search.region().mask());
+      add(path, search.mask());
     }
 
   skin.widen();

@@ -73,6 +73,7 @@ class HandSearch {
   std::span<const Component> components_of(int mask) noexcept;
   bool try_region(float palm_radius, HandShape& best) noexcept;
   bool try_mask(int mask, HandShape& best) noexcept;
+  void read_around(const BinImage& image, const HandShape& hand) noexcept;
   bool try_proposal(const BinImage& image, const HandShape& proposal, HandShape& best) noexcept;
 
   HandSearchConfig config_;
@@ -96,8 +97,8 @@ class HandSearch {
   Mask scratch_mask_, found_mask_;
   const BinImage* found_image_ = nullptr;
   OutlineSearch outlines_;
-  BinImage around_, found_around_;  ///< a proposal: the part of the image that holds it
-  SkinModel proposed_skin_;         ///< its colours
+  BinImage around_;          ///< a proposal: the part of the image that holds it
+  SkinModel proposed_skin_;  ///< its colours
   std::unique_ptr<SkinSamples> samples_;
   ExpectedRegion expectation_;
   ExpectedRegion anywhere_{.ratios = {ExpectedRegion::kInside}};

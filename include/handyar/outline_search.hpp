@@ -41,7 +41,7 @@ class OutlineSearch {
  private:
   static constexpr int kEdgeDirections = 8;          // of half a turn
   static constexpr int kMaps = kEdgeDirections + 1;  // one for each, and one of calm
-  static constexpr int kMaxProposals = 16, kMaxLevels = 16;
+  static constexpr int kMaxProposals = 16;
 
   /// A point of the outline with its normal, in metres of the hand's plane.
   struct OutlinePoint {
@@ -63,7 +63,6 @@ class OutlineSearch {
   struct Level {
     float scale = 1;
     int width = 0, height = 0;
-    std::uint8_t* maps = nullptr;
 
     int row_size() const noexcept { return width / 2; }
     int plane_size() const noexcept { return row_size() * height; }
@@ -72,8 +71,10 @@ class OutlineSearch {
     }
   };
   struct Proposal {
-    HandShape shape;
-    int score = 0, level = 0;
+    HandShape shape;  ///< as slid, until it is aligned
+    std::array<Eigen::Vector2f, kFingerCount> slid_tips;
+    int score = 0;
+    bool aligned = false;
   };
   /// What a colour step from one neighbour to the other means: shares of two edge directions.
   struct Edge {
@@ -85,26 +86,26 @@ class OutlineSearch {
   Edge edge(int gx, int gy) const noexcept;
   int nearest_direction(const Eigen::Vector2f& normal) const noexcept;
   void read_colors(const BinImage& image, int width, int height, float scale) noexcept;
-  void read_level(const BinImage& image, Level& level) noexcept;
-  void spread(const Level& level, int map) noexcept;
-  void slide(const Template& t, int level) noexcept;
-  void propose(const Template& t, const Eigen::Vector2f& at_px, int level, int score) noexcept;
-  HandShape align(const Proposal& proposal) const noexcept;
+  void read_level(const BinImage& image, float scale) noexcept;
+  void spread(int map) noexcept;
+  void slide(const Template& t) noexcept;
+  void propose(const Template& t, const Eigen::Vector2f& at_px, int score) noexcept;
+  void align(HandShape& shape) const noexcept;
 
   OutlineSearchConfig config_;
   HandShape hand_;  // the average one, in metres
   std::vector<OutlinePoint> outline_;
   std::vector<Template> templates_;  // those of one direction next to each other
   std::vector<Edge> edge_table_;
-  std::vector<std::uint8_t> colors_;  // three channels of the image at a level's size
-  std::vector<std::uint8_t> edges_;   // maps of a level before edges are spread
-  std::vector<std::uint8_t> maps_;    // of all levels
+  Level level_;                       // the one that is searched
+  std::vector<std::uint8_t> colors_;  // three channels of the image at its size
+  std::vector<std::uint8_t> edges_;   // its maps before edges are spread
+  std::vector<std::uint8_t> maps_;
   std::vector<std::uint8_t> highest_;
   std::vector<std::uint16_t> sums_;
   std::vector<int> offsets_;
-  std::array<Level, kMaxLevels> levels_;
   std::array<Proposal, kMaxProposals> proposals_;
-  std::array<HandShape, kMaxProposals> aligned_;
+  std::array<HandShape, kMaxProposals> found_;
   int proposal_count_ = 0;
   int turn_ = 0;
 };
