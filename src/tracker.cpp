@@ -58,6 +58,10 @@ struct HandTracker::Impl {
   void filter_pose(TrackResult& result) noexcept;
   void learn(const BinImage& image, const Mask& mask, const HandShape& hand_shape) noexcept;
 
+  int search_step() const noexcept {
+    const int longer = std::max(width_px, height_px);
+    return std::max(2, (longer + config.search.longer_side / 2) / config.search.longer_side);
+  }
   PixelRect region_of_interest(double dt_s) const noexcept;
   Eigen::Vector2f to_input(const Eigen::Vector2f& p) const noexcept {
     return {static_cast<float>(bins.x_px(p.x())), static_cast<float>(bins.y_px(p.y()))};
@@ -140,7 +144,8 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
   bins.bins.resize(pixels);
   region.reserve(pixels, std::max(width_px, height_px));
   expectation.ratios.resize((width_px / 2 + 1) * (height_px / 2 + 1));  // cells of 2 or more
-  search.reserve(pixels / 4 + width_px + height_px, std::max(width_px, height_px) / 2 + 1);
+  const int step = search_step();
+  search.reserve((width_px / step) * (height_px / step), std::max(width_px, height_px) / step);
   contour.reserve(1 << 14);
   contour_px.resize(1 << 14);
   forget();
@@ -149,9 +154,7 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
 /// The whole frame at reduced size, by shape (paper 2.2). True when `shape` is new: a hand, or one
 /// more like a hand than the one that is being acquired.
 bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
-  const int longer = std::max(width_px, height_px);
-  const int step = (longer + config.search.longer_side / 2) / config.search.longer_side;
-  read_bins(frame, {0, 0, width_px, height_px}, std::max(step, 2), bins);
+  read_bins(frame, {0, 0, width_px, height_px}, search_step(), bins);
   HandShape coarse;
   if (!search.find(bins, skin, coarse)) return false;
   const BinImage& seen = search.image();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 #include <random>
 
 #include "drawn_hand.hpp"
@@ -11,7 +12,6 @@
 namespace handyar {
 namespace {
 
-using test::deg;
 using test::DrawnHand;
 using V = Eigen::Vector2d;
 
@@ -90,7 +90,7 @@ TEST(OutlineSearch, FindsAHandThatNoThresholdCutsOut) {
 
 TEST(OutlineSearch, FindsItPointingAnywhere) {
   for (const double roll : {-150.0, -100.0, -47.0, 33.0, 90.0, 180.0})
-    EXPECT_LT(nearest_in_a_round({}, {.roll = roll * deg}), kNear) << roll;
+    EXPECT_LT(nearest_in_a_round({}, {.roll = roll * std::numbers::pi / 180}), kNear) << roll;
 }
 
 TEST(OutlineSearch, FindsItAtEverySize) {
