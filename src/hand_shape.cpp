@@ -261,6 +261,87 @@ bool HandShapeModel::fit(const HandShapeConfig& config, HandShape& shape) const 
   return shape.deviation < config.max_deviation;
 }
 
+namespace {
+
+Eigen::Matrix<float, 2, kPoints> points_of(const HandShape& shape) {
+  Eigen::Matrix<float, 2, kPoints> points;
+  for (int f = 0; f < kFingerCount; ++f) points.col(f) = shape.tips[f];
+  for (int k = 0; k < kValleyCount; ++k) points.col(kFingerCount + k) = shape.valleys[k];
+  return points;
+}
+
+/// One for each point that is seen, else zero.
+Eigen::Matrix<float, kPoints, 1> weights_of(const HandShape& shape) {
+  Eigen::Matrix<float, kPoints, 1> weights;
+  for (int f = 0; f < kFingerCount; ++f) weights[f] = shape.tip_seen[f];
+  for (int k = 0; k < kValleyCount; ++k) weights[kFingerCount + k] = shape.valley_seen[k];
+  return weights;
+}
+
+/// The affine map that takes `from` to `to` where `weight` is not 0.
+Eigen::Matrix<float, 2, 3> fit_affine(const Eigen::Matrix<float, 3, kPoints>& from,
+                                      const Eigen::Matrix<float, 2, kPoints>& to,
+                                      const Eigen::Matrix<float, kPoints, 1>& weight) {
+  const Eigen::Matrix<float, kPoints, 3> weighted = weight.asDiagonal() * from.transpose();
+  return to * weighted * (from * weighted).inverse();
+}
+
+constexpr float kEnoughFrames = 10;
+
+}  // namespace
+
+void OwnShape::learn(const HandShape& shape, float share) noexcept {
+  const Eigen::Matrix<float, 2, kPoints> points = points_of(shape);
+  if (weight_ == 0) {
+    // As if seen straight on, as far as the map to hands in general tells.
+    const Eigen::Matrix2f linear = shape.image_hand.leftCols<2>();
+    mean_.topRows<2>() = linear.inverse() * (points.colwise() - shape.image_hand.col(2));
+    mean_.row(2).setOnes();
+    weight_ = 1;
+    return;
+  }
+  const Eigen::Matrix<float, 2, 3> map =
+      fit_affine(mean_, points, Eigen::Matrix<float, kPoints, 1>::Ones());
+  const Eigen::Matrix2f inverse = map.leftCols<2>().inverse();
+  share = std::max(share, 1 / (weight_ + 1));
+  mean_.topRows<2>() += share * (inverse * (points - map * mean_));
+  weight_ = std::min(weight_ + 1, kEnoughFrames);
+}
+
+bool OwnShape::knows(const HandShape& shape) const noexcept {
+  return weight_ >= kEnoughFrames && weights_of(shape).sum() >= kPoints - 4;
+}
+
+int OwnShape::misread(const HandShape& shape) const noexcept {
+  constexpr float kFar_m = 0.018f, kAgree_m = 0.005f;
+  if (!knows(shape)) return -1;
+  const Eigen::Matrix<float, 2, kPoints> points = points_of(shape);
+  int misread = -1;
+  float least = kAgree_m;
+  for (int f = 0; f < kFingerCount; ++f) {
+    if (!shape.tip_seen[f]) continue;
+    Eigen::Matrix<float, kPoints, 1> others = weights_of(shape);
+    others[f] = 0;
+    const Eigen::Matrix<float, 2, 3> map = fit_affine(mean_, points, others);
+    const float px_per_m = std::sqrt(std::abs(map.leftCols<2>().determinant()));
+    const Eigen::Matrix<float, 2, kPoints> rest = (points - map * mean_) / px_per_m;
+    const float disagreement =
+        std::sqrt(rest.colwise().squaredNorm().dot(others.transpose()) / others.sum());
+    if (!(disagreement < least)) continue;
+    least = disagreement;
+    misread = rest.col(f).norm() > kFar_m ? f : -1;
+  }
+  return misread;
+}
+
+bool OwnShape::infer_tip(int finger, HandShape& shape) const noexcept {
+  if (!knows(shape)) return false;
+  const Eigen::Vector2f tip =
+      fit_affine(mean_, points_of(shape), weights_of(shape)) * mean_.col(finger);
+  if (tip.allFinite()) shape.tips[finger] = tip;
+  return tip.allFinite();
+}
+
 bool fills_region(const HandShape& shape, const Mask& mask,
                   const HandShapeConfig& config) noexcept {
   return palm_fill(shape, mask) >= config.min_palm_fill &&

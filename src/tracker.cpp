@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "handyar/hand_search.hpp"
@@ -104,6 +105,8 @@ struct HandTracker::Impl {
   bool promising = false;      // `found` was refused, but not by much
   HandShape before, expected;  // mask pixels of this frame: `shape`, and where it should be now
   HandShape found;             // mask pixels of this frame
+  std::array<bool, kFingerCount> tip_inferred{};  // of `found`: from own_shape
+  OwnShape own_shape;
   Component component;
   Eigen::Vector2f centroid_px = Eigen::Vector2f::Zero();
   Eigen::Vector2f velocity_px_s = Eigen::Vector2f::Zero();
@@ -129,6 +132,7 @@ void HandTracker::Impl::forget() noexcept {
   time_s = -std::numeric_limits<double>::infinity();
   state = State::searching;
   following = false;
+  own_shape.reset();
   contour_size = 0;
   seen_frames = 0;
   relief_evidence = 0;
@@ -288,6 +292,17 @@ bool HandTracker::Impl::match(bool anew) noexcept {
     if (depth < 0.25f * before.palm_radius()) return false;
     found.valleys[k] = curvature.samples()[at];
   }
+  // A finger that is suddenly much longer or shorter runs on into what has the hand's colour.
+  tip_inferred.fill(false);
+  if (!anew) {
+    const int misread = own_shape.misread(found);
+    if (misread >= 0) {
+      found.tip_seen[misread] = false;
+      --matched;
+    }
+    for (int f = 0; f < kFingerCount; ++f)
+      tip_inferred[f] = !found.tip_seen[f] && own_shape.infer_tip(f, found);
+  }
   HandShapeConfig limits = config.shape;
   if (state == State::tracking || state == State::lost) {
     limits.max_deviation *= 1.6;  // hysteresis
@@ -309,7 +324,7 @@ bool HandTracker::Impl::match(bool anew) noexcept {
   // A tip that was missed stays where the shape puts it, for the next frame's matching.
   const Eigen::Vector2f moved = found.palm() - before.palm();
   for (int f = 0; f < kFingerCount; ++f)
-    if (!found.tip_seen[f]) found.tips[f] = before.tips[f] + moved;
+    if (!found.tip_seen[f] && !tip_inferred[f]) found.tips[f] = before.tips[f] + moved;
   for (int k = 0; k < kValleyCount; ++k)
     if (!found.valley_seen[k]) found.valleys[k] = before.valleys[k] + moved;
   if (!fills_region(found, region.mask(), limits)) return false;
@@ -322,17 +337,18 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
   result.tips = {};
   result.valleys = {};
   for (int f = 0; f < kFingerCount; ++f) {
+    if (tip_inferred[f]) result.tips[f] = {to_input(found.tips[f]).cast<double>(), false, true};
     if (!found.tip_seen[f]) continue;
     const float arc = static_cast<float>(found.tip_samples[f]) * curvature.spacing();
     const Eigen::Vector2f tip =
         measure_tip(contour, arc, found.finger_width, config.fingertips.method);
-    result.tips[f] = {to_input(tip).cast<double>(), true};
+    result.tips[f] = {to_input(tip).cast<double>(), true, false};
   }
   for (int k = 0; k < kValleyCount; ++k) {
     if (!found.valley_seen[k]) continue;
     const Eigen::Vector2f valley = measure_valley(contour, found.valleys[k], found.tips[k],
                                                   found.tips[k + 1], found.finger_width);
-    result.valleys[k] = {to_input(valley).cast<double>(), true};
+    result.valleys[k] = {to_input(valley).cast<double>(), true, false};
   }
 }
 
@@ -394,6 +410,7 @@ void HandTracker::Impl::advance(bool seen) noexcept {
     if (following) {
       velocity_px_s = (now.palm() - shape.palm()) / static_cast<float>(time_s - seen_s);
     } else {
+      own_shape.reset();
       first_seen_s = time_s;
       seen_frames = 0;
       filter.reset();
@@ -403,7 +420,17 @@ void HandTracker::Impl::advance(bool seen) noexcept {
         time_s - first_seen_s > (known ? limits.reconfirm_s : limits.confirm_s) - 1e-6 &&
         seen_frames >= (known ? 2 : limits.confirm_frames);
     if (state != State::tracking) state = resumed || confirmed ? State::tracking : State::acquiring;
-    if (state == State::tracking) tracked_s = time_s;
+    if (state == State::tracking) {
+      // The hand's own shape, from frames that are likely right, over about this long.
+      constexpr double kMemory_s = 0.7, kLikely = 0.75;
+      const auto all = [](const auto& flags) {
+        return std::ranges::all_of(flags, std::identity());
+      };
+      if (found.deviation < kLikely * config.shape.max_deviation && all(found.tip_seen) &&
+          all(found.valley_seen))
+        own_shape.learn(found, static_cast<float>((time_s - seen_s) / kMemory_s));
+      tracked_s = time_s;
+    }
     shape = now;
     centroid_px = to_input(component.centroid);
     following = true;
@@ -456,9 +483,14 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
     if (!clock.time(times.segmentation_ms, [&] { return t.read_neighbourhood(frame); }))
       return false;
     const bool seen = look_at(anew, false);
-    const float deviation = t.found.deviation;
-    if (seen && deviation < t.config.shape.sure_deviation) return true;
-    if (look_at(anew, true) && (!seen || t.found.deviation < deviation)) return true;
+    const HandShape first = t.found;
+    if (seen && first.deviation < t.config.shape.sure_deviation) return true;
+    const auto tips = [](const HandShape& shape) {
+      return std::ranges::count(shape.tip_seen, true);
+    };
+    if (look_at(anew, true) &&
+        (!seen || (t.found.deviation < first.deviation && tips(t.found) >= tips(first))))
+      return true;
     return seen && look_at(anew, false);
   };
   const auto search = [&] {

@@ -123,6 +123,8 @@ TEST(HandShape, IsMostlyFoundTiltedBy45DegreesAndNeverWrongly) {
 HandShape seen(const HandModel& hand, const Eigen::Affine2d& view) {
   HandShape shape;
   shape.layout = hand.layout;
+  shape.tip_seen.fill(true);
+  shape.valley_seen.fill(true);
   for (int f = 0; f < kFingerCount; ++f)
     shape.tips[f] = (view * hand.tips_m.col(f).head<2>()).cast<float>();
   for (int k = 0; k < kValleyCount; ++k)
@@ -174,6 +176,62 @@ TEST(HandShapeModel, WithoutMeasuredValleysIsHandsInGeneral) {
   const float deviation = shape.deviation;
   EXPECT_TRUE(general.fit({}, shape));
   EXPECT_EQ(shape.deviation, deviation);
+}
+
+/// A hand that was tracked for half a second, seen as `view` has it.
+OwnShape learned(const HandModel& hand, const HandShapeModel& model) {
+  OwnShape own;
+  for (int frame = 0; frame < 15; ++frame) {
+    HandShape shape = seen(hand, view_of(1300, 0.02 * frame, deg(2.0 * frame), deg(20)));
+    model.fit({}, shape);
+    own.learn(shape, 0.05f);
+  }
+  return own;
+}
+
+TEST(OwnShape, KnowsAMisreadFingerFromAnotherView) {
+  const HandModel hand = measured_hand();
+  const HandShapeModel model;
+  const OwnShape own = learned(hand, model);
+  const Eigen::Affine2d view = view_of(1000, 1.2, deg(35), deg(70));
+  HandShape shape = seen(hand, view);
+  EXPECT_EQ(own.misread(shape), -1);
+  for (int f = 0; f < kFingerCount; ++f)
+    for (const double by_m : {-0.03, 0.03}) {
+      HandModel misread = hand;
+      misread.tips_m.col(f) *= 1 + by_m / hand.tips_m.col(f).norm();
+      HandShape wrong = seen(misread, view);
+      EXPECT_EQ(own.misread(wrong), f) << by_m;
+      wrong.tip_seen[f] = false;
+      ASSERT_TRUE(own.infer_tip(f, wrong));
+      EXPECT_LT((wrong.tips[f] - shape.tips[f]).norm(), 0.002f * 1000) << f;
+    }
+}
+
+TEST(OwnShape, AllowsFingersToMoveALittle) {
+  const HandModel hand = measured_hand();
+  const HandShapeModel model;
+  const OwnShape own = learned(hand, model);
+  for (int f = 0; f < kFingerCount; ++f) {
+    HandModel moved = hand;
+    moved.tips_m(0, f) += 0.010;
+    EXPECT_EQ(own.misread(seen(moved, view_of(1000, 0.3))), -1) << f;
+  }
+}
+
+TEST(OwnShape, SaysNothingBeforeItKnowsEnough) {
+  const HandModel hand = measured_hand();
+  const HandShapeModel model;
+  OwnShape own;
+  HandShape shape = seen(hand, view_of(1300, 0));
+  model.fit({}, shape);
+  own.learn(shape, 0.05f);
+  shape.tips[0] *= 1.5f;
+  EXPECT_EQ(own.misread(shape), -1);
+  EXPECT_FALSE(own.infer_tip(0, shape));
+  OwnShape known = learned(hand, model);
+  known.reset();
+  EXPECT_FALSE(known.infer_tip(0, shape));
 }
 
 TEST(HandShape, ExpectsItselfWhereItIs) {

@@ -43,8 +43,8 @@ Eigen::Isometry3d turned_about_y() {
 
 void compare_tips(const TruthFrame& truth, const TrackResult& result, FrameError& e) {
   for (std::size_t i = 0; i < kFingerCount; ++i) {
-    if (result.tips[i].seen) e.tip_px[i] = (result.tips[i].px - truth.tips_px[i]).norm();
-    if (!(e.tip_px[i] <= kWrongOfSpan * e.span_px)) e.wrong = true;  // also when it was not seen
+    if (result.tips[i].known()) e.tip_px[i] = (result.tips[i].px - truth.tips_px[i]).norm();
+    if (!(e.tip_px[i] <= kWrongOfSpan * e.span_px)) e.wrong = true;  // also when it is not known
   }
 }
 

@@ -90,6 +90,30 @@ class HandShapeModel {
   float strictness_ = 1;
 };
 
+/// How one hand's tips and valleys lie to each other, learned while it is tracked: for a while a
+/// hand keeps its posture, and a finger that suddenly is much shorter or longer was misread.
+class OwnShape {
+ public:
+  void reset() noexcept { weight_ = 0; }
+
+  /// Takes in a verified shape with all tips and valleys; `share` is its weight in the mean.
+  void learn(const HandShape& shape, float share) noexcept;
+
+  /// The finger whose tip is far from where all other points say that it is, while they agree with
+  /// each other; -1: none, or too little is known.
+  int misread(const HandShape& shape) const noexcept;
+
+  /// Puts a tip where the points that are seen say that it is. False when too little is known.
+  bool infer_tip(int finger, HandShape& shape) const noexcept;
+
+ private:
+  static constexpr int kPoints = kFingerCount + kValleyCount;
+  Eigen::Matrix<float, 3, kPoints> mean_;  ///< metres, in an affine frame of its own; last row ones
+  float weight_ = 0;                       ///< frames, until it is enough
+
+  bool knows(const HandShape& shape) const noexcept;
+};
+
 /// Looks for five neighbouring tips with valleys between them that an affine image of the model
 /// explains (paper 2.2 asks for five tips around the palm; the whole shape is asked for here, so
 /// that the hand may point anywhere). Thumb and layout follow from which way round fits better.

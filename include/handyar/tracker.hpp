@@ -35,7 +35,12 @@ struct StageTimes {
 /// One fingertip in pixels of the input frame.
 struct Tip {
   Eigen::Vector2d px = Eigen::Vector2d::Zero();
-  bool seen = false;  ///< false: not found in this frame, `px` is meaningless
+  bool seen = false;
+  /// Not seen, or refused because the finger came out much too long or short: `px` is where the
+  /// hand's other points put it, good to some millimetres. Neither: `px` is meaningless.
+  bool inferred = false;
+
+  bool known() const noexcept { return seen || inferred; }
 };
 
 /// Everything known of the hand in one frame.

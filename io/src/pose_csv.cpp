@@ -64,7 +64,7 @@ std::string pose_csv_row(std::int64_t frame, const TrackResult& result, bool tim
   row.text(name(result.state));
   row.text(result.layout ? name(*result.layout) : "");
   for (const Tip& tip : result.tips) {
-    if (tip.seen) {
+    if (tip.known()) {
       row.number(tip.px.x(), kPixelDigits);
       row.number(tip.px.y(), kPixelDigits);
     } else {
