@@ -93,7 +93,8 @@ class HandTracker {
   /// Valid until the next process().
   std::span<const Eigen::Vector2f> contour_px() const noexcept;
 
-  /// Hand region of the last frame; empty (width 0) without a hand. Valid until the next process().
+  /// Hand region of the last frame; empty (width 0) without a hand. Valid until the next process();
+  /// written anew by each call, so not for two threads at once.
   HandMask mask() const noexcept;
 
   /// The hand model in the layout now tracked (mirrored when needed).
