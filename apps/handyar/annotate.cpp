@@ -87,7 +87,7 @@ void draw_tips(const Pen& pen, const TrackResult& result) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   int seen = 0;
   for (const Tip& tip : result.tips) {
-    if (!tip.seen) continue;
+    if (!tip.known()) continue;
     mean += tip.px;
     ++seen;
   }
@@ -95,8 +95,8 @@ void draw_tips(const Pen& pen, const TrackResult& result) {
   mean /= seen;
   for (std::size_t i = 0; i < result.tips.size(); ++i) {
     const Tip& tip = result.tips[i];
-    if (!tip.seen) continue;
-    pen.dot(tip.px, 4, kFingerColors[i]);
+    if (!tip.known()) continue;
+    pen.dot(tip.px, tip.seen ? 4 : 2, kFingerColors[i]);
     // The label stands beyond the fingertip, where no hand is.
     Eigen::Vector2d away = tip.px - mean + Eigen::Vector2d(0, -0.5 * (tip.px - mean).norm());
     away = away.norm() > 1 ? away.normalized().eval() : Eigen::Vector2d(0, -1);
