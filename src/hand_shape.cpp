@@ -26,6 +26,14 @@ Eigen::Vector2f hand_point(int i, Layout layout) {
   return in_layout(kMean_mm.col(i) / 1000, layout);
 }
 
+/// Tips, then valleys.
+Eigen::Matrix<float, 2, kPoints> points_of(const HandShape& shape) {
+  Eigen::Matrix<float, 2, kPoints> points;
+  for (int f = 0; f < kFingerCount; ++f) points.col(f) = shape.tips[f];
+  for (int k = 0; k < kValleyCount; ++k) points.col(kFingerCount + k) = shape.valleys[k];
+  return points;
+}
+
 /// Share of a disc's image under the affine map that lies in the mask.
 float palm_fill(const HandShape& shape, const Mask& mask) {
   int inside = 0, total = 0;
@@ -229,9 +237,7 @@ void HandShapeModel::set_mean(const Eigen::Matrix<double, 2, kPoints>& mean_m) {
 }
 
 bool HandShapeModel::fit(const HandShapeConfig& config, HandShape& shape) const noexcept {
-  Eigen::Matrix<float, 2, kPoints> points;
-  for (int f = 0; f < kFingerCount; ++f) points.col(f) = shape.tips[f];
-  for (int k = 0; k < kValleyCount; ++k) points.col(kFingerCount + k) = shape.valleys[k];
+  const Eigen::Matrix<float, 2, kPoints> points = points_of(shape);
   // The mean is a thumb_right hand: fit it, and mirror the map for the other layout.
   const Eigen::Matrix<float, 2, 3> map = points * fit_;
   const Eigen::Matrix2f linear = map.leftCols<2>();
@@ -262,13 +268,6 @@ bool HandShapeModel::fit(const HandShapeConfig& config, HandShape& shape) const 
 }
 
 namespace {
-
-Eigen::Matrix<float, 2, kPoints> points_of(const HandShape& shape) {
-  Eigen::Matrix<float, 2, kPoints> points;
-  for (int f = 0; f < kFingerCount; ++f) points.col(f) = shape.tips[f];
-  for (int k = 0; k < kValleyCount; ++k) points.col(kFingerCount + k) = shape.valleys[k];
-  return points;
-}
 
 /// One for each point that is seen, else zero.
 Eigen::Matrix<float, kPoints, 1> weights_of(const HandShape& shape) {
