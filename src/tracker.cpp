@@ -187,7 +187,8 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   return true;
 }
 
-/// What the search found was no hand at a closer look: all is as before.
+/// What the search found was no hand at a closer look: the last place counts again, and the colours
+/// of when a hand was last tracked.
 void HandTracker::Impl::forget_found() noexcept {
   shape = before_search.shape;
   following = before_search.following;
