@@ -217,6 +217,18 @@ HandShape average_hand_shape() noexcept {
   return hand;
 }
 
+Eigen::Matrix<double, 3, kValleyCount> average_valleys_m(const HandModel& hand) noexcept {
+  Eigen::Matrix<double, 3, kPoints> average_mm = Eigen::Matrix<double, 3, kPoints>::Ones();
+  for (int i = 0; i < kPoints; ++i)
+    average_mm.col(i).head<2>() = hand_point(i, hand.layout).cast<double>() * 1000;
+  const auto tips_mm = average_mm.leftCols<kFingerCount>();
+  const Eigen::Matrix<double, 2, 3> hand_average =
+      hand.tips_m.topRows<2>() * tips_mm.transpose() * (tips_mm * tips_mm.transpose()).inverse();
+  Eigen::Matrix<double, 3, kValleyCount> valleys_m = Eigen::Matrix<double, 3, kValleyCount>::Zero();
+  valleys_m.topRows<2>() = hand_average * average_mm.rightCols<kValleyCount>();
+  return valleys_m;
+}
+
 HandShapeModel::HandShapeModel() { set_mean(kMean_mm.cast<double>() / 1000); }
 
 HandShapeModel::HandShapeModel(const HandModel& hand, const HandShapeConfig& config)

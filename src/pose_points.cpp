@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "handyar/hand_shape.hpp"
+
 namespace handyar {
 namespace {
 
@@ -14,8 +16,9 @@ bool usable(const ObservedPoint& p) {
 
 std::optional<PosePoints> pose_points(const HandObservation& observation, const HandModel& hand,
                                       const PoseConfig& config) {
-  // Five tips alone cannot tell a turned finger from a turned hand.
-  const bool articulated = config.method == PoseMethod::points && hand.has_valleys;
+  const bool round = config.method == PoseMethod::points;
+  // Five tips and valleys that were not measured cannot tell a turned finger from a turned hand.
+  const bool articulated = round && hand.has_valleys;
   const double towards_thumb = hand.layout == Layout::thumb_right ? 1.0 : -1.0;
   const Eigen::Matrix<double, 2, kFingerCount> knuckles = hand.knuckles_m();
   const Eigen::Matrix<double, 3, kFingerCount> directions = hand.directions();
@@ -31,7 +34,7 @@ std::optional<PosePoints> pose_points(const HandObservation& observation, const 
     PosePoint p{
         .hand_m = hand.tips_m.col(i), .px = seen.px, .sigma_px = seen.sigma_px, .finger = i};
     p.direction = directions.col(i);
-    p.radius_m = config.method == PoseMethod::points ? config.tip_radius_m : 0.0;
+    p.radius_m = round ? config.tip_radius_m : 0.0;
     const Eigen::Vector3d sigma_m = hand.tips_sigma_m.col(i);
     const double plane_sigma_m = sigma_m.isZero() ? config.tip_sigma_m : 0.0;
     p.covariance_m2.diagonal() =
@@ -44,12 +47,15 @@ std::optional<PosePoints> pose_points(const HandObservation& observation, const 
         spread_sigma_rad * spread_sigma_rad * p.per_spread_m * p.per_spread_m.transpose();
     points.push_back(p);
   }
-  if (points.count < 3) return std::nullopt;
-  for (int i = 0; i < kValleyCount && articulated; ++i) {
+  if (points.count < (articulated ? 3 : 4)) return std::nullopt;
+  const auto valleys_m = hand.has_valleys ? hand.valleys_m : average_valleys_m(hand);
+  const double guess2 =
+      hand.has_valleys ? 0.0 : config.average_valley_sigma_m * config.average_valley_sigma_m;
+  for (int i = 0; i < kValleyCount && round; ++i) {
     const ObservedPoint& seen = observation.valleys[i];
     if (!seen.seen) continue;
     if (!usable(seen)) return std::nullopt;
-    PosePoint p{.hand_m = hand.valleys_m.col(i), .px = seen.px, .sigma_px = seen.sigma_px};
+    PosePoint p{.hand_m = valleys_m.col(i), .px = seen.px, .sigma_px = seen.sigma_px};
     p.direction = openings.col(i);
     p.radius_m = config.web_radius_m;
     Eigen::Matrix3d shape = Eigen::Vector3d(1, 1, 0).asDiagonal();
@@ -57,6 +63,7 @@ std::optional<PosePoints> pose_points(const HandObservation& observation, const 
         (config.valley_stretch * config.valley_stretch - 1) * p.direction * p.direction.transpose();
     p.covariance_m2 = config.valley_sigma_m * config.valley_sigma_m * shape;
     p.covariance_m2(2, 2) = relief2;
+    p.covariance_m2.diagonal().array() += guess2;
     p.wander_m2 = config.valley_wander_m * config.valley_wander_m * shape;
     points.push_back(p);
   }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "../src/pose_refinement.hpp"
+#include "handyar/hand_shape.hpp"
 #include "handyar/planar_pose.hpp"
 #include "synthetic_hand.hpp"
 
@@ -289,7 +290,7 @@ TEST(Pose, NeverGivesNaNWhateverIsSeen) {
   std::uniform_real_distribution<double> anywhere(-100, 700);
   const HandModel hand = rendered_hand();
   int poses = 0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < 4000; ++i) {
     HandObservation seen;
     for (ObservedPoint& p : seen.tips) p = {{anywhere(rng), anywhere(rng)}, 1.0, true};
     for (ObservedPoint& p : seen.valleys) p = {{anywhere(rng), anywhere(rng)}, 1.0, true};
@@ -407,8 +408,43 @@ TEST(Spread, WithoutValleysTheHandIsTakenAsRigid) {
   const auto rigid = estimate_pose(seen, without_valleys(hand), rendered_camera(), tips_config());
   ASSERT_TRUE(with && without && rigid);
   for (double spread : without->spread_rad) EXPECT_EQ(spread, 0.0);
-  EXPECT_EQ(without->points_used, kFingerCount);
+  EXPECT_EQ(rigid->points_used, kFingerCount);
   EXPECT_EQ(with->points_used, kFingerCount + kValleyCount);
+}
+
+TEST(AverageValleys, FollowTheTipsAndTheirLayout) {
+  const HandModel hand = rendered_hand();
+  const auto valleys_m = average_valleys_m(hand);
+  for (int k = 0; k < kValleyCount; ++k)
+    EXPECT_LT((valleys_m.col(k) - hand.valleys_m.col(k)).head<2>().norm(), 0.006) << k;
+  auto mirrored_m = average_valleys_m(hand.for_layout(Layout::thumb_left));
+  mirrored_m.row(0) *= -1;
+  EXPECT_TRUE(mirrored_m.isApprox(valleys_m, 1e-9));
+  HandModel larger = hand;
+  larger.tips_m *= 1.2;
+  EXPECT_TRUE(average_valleys_m(larger).isApprox(1.2 * valleys_m, 1e-9));
+}
+
+TEST(AverageValleys, HoldThePoseWhereATipIsMisread) {
+  // Fingertips alone take a thumb that is read some millimetres off for a hand that tilts.
+  const HandModel hand = rendered_hand();
+  double by_tips_rad = 0, by_all_rad = 0;
+  for (const double axis : {0.0, 60.0, 120.0, 180.0, 240.0, 300.0})
+    for (const Eigen::Vector2d& misread_px :
+         {Eigen::Vector2d(-10, 0), {0, 10}, {10, 0}, {0, -10}}) {
+      const Eigen::Isometry3d truth = hand_at(0.45, deg(20), deg(axis));
+      HandObservation seen = test::project(hand, rendered_camera(), truth);
+      seen.tips[0].px += misread_px;
+      const PosePrior prior = expecting(truth, deg(10), 0.03);
+      const auto tips =
+          estimate_pose(seen, without_valleys(hand), rendered_camera(), tips_config(), prior);
+      const auto all = estimate_pose(seen, without_valleys(hand), rendered_camera(), {}, prior);
+      ASSERT_TRUE(tips && all);
+      by_tips_rad += test::rotation_error_rad(tips->T_camera_hand, truth) / 24;
+      by_all_rad += test::rotation_error_rad(all->T_camera_hand, truth) / 24;
+    }
+  EXPECT_LT(by_all_rad, 0.8 * by_tips_rad);
+  EXPECT_LT(by_all_rad, deg(8));
 }
 
 struct Consistency {

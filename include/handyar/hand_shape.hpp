@@ -67,6 +67,10 @@ struct HandShape {
 /// The average outstretched hand, thumb_right: in metres of its own plane instead of pixels.
 HandShape average_hand_shape() noexcept;
 
+/// Where the valleys of a hand are likely to be, in its own frame, after its tips and the average
+/// hand's: good to some millimetres in the hand plane.
+Eigen::Matrix<double, 3, kValleyCount> average_valleys_m(const HandModel& hand) noexcept;
+
 /// What outstretched hands look like, or one measured hand: nine points in a plane and how they
 /// vary once the best affine map is taken off.
 class HandShapeModel {

@@ -19,7 +19,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 enum class PoseMethod : std::uint8_t {
   tips,   ///< the fingertips, as a rigid body (the paper)
   points  ///< round tips, and valleys; each finger may have turned in the hand plane since
-          ///< calibration (for hand models without valleys: the round tips of a rigid hand)
+          ///< calibration (hand models without valleys: of a rigid hand, with an average's valleys)
 };
 
 /// What is not known of a hand, as standard deviations.
@@ -34,8 +34,9 @@ struct PoseConfig {
   double valley_wander_m = 0.020;  ///< and by how much more where the hand is seen edge on
   double valley_stretch = 5;       ///< times as far along the fingers: valleys are narrow, what
                                    ///< moves their sides a little moves their ends by more
-  double relief_sigma_m = 0.001;   ///< height of each point over the hand plane against the model's
-  double huber = 2.5;              ///< points more standard deviations off than this weigh less
+  double average_valley_sigma_m = 0.003;  ///< and where they were not measured, each way
+  double relief_sigma_m = 0.001;  ///< height of each point over the hand plane against the model's
+  double huber = 1.0;             ///< points more standard deviations off than this weigh less
 };
 
 /// A tip or a valley as one frame shows it.
@@ -46,7 +47,7 @@ struct ObservedPoint {
 };
 struct HandObservation {
   std::array<ObservedPoint, kFingerCount> tips;
-  std::array<ObservedPoint, kValleyCount> valleys;  ///< used when the hand model has valleys
+  std::array<ObservedPoint, kValleyCount> valleys;  ///< not used by PoseMethod::tips
 };
 
 /// A pose expected before the frame was looked at; covariance as in PoseEstimate.
@@ -102,9 +103,10 @@ struct PoseEstimate {
   int points_used = 0;
 };
 
-/// Pose from at least four points of which three are tips (paper 2.5). `hand` is in the layout that
-/// is seen. Empty when there are too few points, when they lie on a line, when a seen point is not
-/// finite, or when no pose puts the visible face before the camera. Takes no memory.
+/// Pose from at least four points of which three are tips, or four where the hand model has no
+/// valleys (paper 2.5). `hand` is in the layout that is seen. Empty when there are too few points,
+/// when they lie on a line, when a seen point is not finite, or when no pose puts the visible face
+/// before the camera. Takes no memory.
 std::optional<PoseEstimate> estimate_pose(const HandObservation& observation, const HandModel& hand,
                                           const Camera& camera, const PoseConfig& config = {},
                                           const PosePrior& prior = {}) noexcept;
