@@ -195,6 +195,34 @@ bool HandShape::may_follow(const HandShape& last) const noexcept {
          (palm() - last.palm()).norm() < kReach * last.palm_radius();
 }
 
+Eigen::Matrix<float, 2, 3> HandShape::image_thumb_right() const noexcept {
+  Eigen::Matrix<float, 2, 3> map = image_hand;
+  if (layout == Layout::thumb_left) map.col(0) *= -1;
+  return map;
+}
+
+HandShape HandShape::in_hand_plane() const noexcept {
+  const Eigen::Matrix<float, 2, 3> map = image_thumb_right();
+  const Eigen::Matrix2f inverse = map.leftCols<2>().inverse();
+  HandShape hand = average_hand_shape();
+  for (int f = 0; f < kFingerCount; ++f) hand.tips[f] = inverse * (tips[f] - map.col(2));
+  for (int k = 0; k < kValleyCount; ++k) hand.valleys[k] = inverse * (valleys[k] - map.col(2));
+  return hand;
+}
+
+HandShape HandShape::laid(const Eigen::Matrix<float, 2, 3>& image_thumb_right,
+                          Layout image_layout) const noexcept {
+  HandShape s = *this;
+  s.layout = image_layout;
+  for (auto& p : s.tips) p = image_thumb_right * p.homogeneous();
+  for (auto& p : s.valleys) p = image_thumb_right * p.homogeneous();
+  s.image_hand = image_thumb_right;
+  if (image_layout == Layout::thumb_left) s.image_hand.col(0) *= -1;
+  s.finger_width =
+      kFingerWidth_m * std::sqrt(std::abs(image_thumb_right.leftCols<2>().determinant()));
+  return s;
+}
+
 HandShape HandShape::transformed(float scale, const Eigen::Vector2f& offset) const noexcept {
   HandShape s = *this;
   for (auto& p : s.tips) p = scale * p + offset;

@@ -53,6 +53,17 @@ template <class Combine>
   }
 }
 
+/// Calls `change` with each word that holds pixels u0 <= u < u1 of a row, and ones at these.
+template <class Change>
+void for_words(Word* row, int u0, int u1, Change change) {
+  for (int u = u0; u < u1;) {
+    const int end = std::min(u1, (u | 63) + 1), length = end - u;
+    const Word ones = length == 64 ? ~Word{0} : (Word{1} << length) - 1;
+    change(row[u >> 6], ones << (u & 63));
+    u = end;
+  }
+}
+
 }  // namespace
 
 void Mask::reserve(int max_pixels, int max_side) {
@@ -90,14 +101,12 @@ void Mask::set_row(int v, const std::uint8_t* flags) noexcept {
   if ((width & 63) != 0) to[width >> 6] &= (Word{1} << (width & 63)) - 1;
 }
 
+void Mask::set_run(int v, int u0, int u1) noexcept {
+  for_words(row(v), u0, u1, [](Word& word, Word run) { word |= run; });
+}
+
 void Mask::clear_run(int v, int u0, int u1) noexcept {
-  Word* const words_of_row = row(v);
-  for (int u = u0; u < u1;) {
-    const int end = std::min(u1, (u | 63) + 1), length = end - u;
-    const Word ones = length == 64 ? ~Word{0} : (Word{1} << length) - 1;
-    words_of_row[u >> 6] &= ~(ones << (u & 63));
-    u = end;
-  }
+  for_words(row(v), u0, u1, [](Word& word, Word run) { word &= ~run; });
 }
 
 void Mask::pack(const std::uint8_t* from, int new_width, int new_height,

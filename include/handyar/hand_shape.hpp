@@ -57,6 +57,14 @@ struct HandShape {
   /// True when a hand that looked like `last` may look like this a few frames later.
   bool may_follow(const HandShape& last) const noexcept;
 
+  /// `image_hand` for a plane in which the thumb is on the right, whatever the layout.
+  Eigen::Matrix<float, 2, 3> image_thumb_right() const noexcept;
+  /// Tips and valleys in that plane, in metres; thumb_right.
+  HandShape in_hand_plane() const noexcept;
+  /// The other way round: such a shape where an image shows it, given image_thumb_right().
+  HandShape laid(const Eigen::Matrix<float, 2, 3>& image_thumb_right,
+                 Layout image_layout) const noexcept;
+
   /// The same shape in other pixels: p -> scale * p + offset.
   HandShape transformed(float scale, const Eigen::Vector2f& offset) const noexcept;
   Eigen::Vector2f to_image(const Eigen::Vector2f& p_hand_m) const noexcept {

@@ -36,7 +36,8 @@ struct Mask {
   }
   /// Sets row v from `width` bytes of 0 or 1; the row's last word is read to its end.
   void set_row(int v, const std::uint8_t* flags) noexcept;
-  void clear_run(int v, int u0, int u1) noexcept;  ///< u0 <= u < u1
+  void set_run(int v, int u0, int u1) noexcept;  ///< u0 <= u < u1, within the row
+  void clear_run(int v, int u0, int u1) noexcept;
 
   /// The first pixel of row v from u on that is set, or `width` or more; that is not set.
   int next_set(int v, int u) const noexcept {

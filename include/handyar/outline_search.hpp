@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "handyar/color_bins.hpp"
+#include "handyar/edge_maps.hpp"
+#include "handyar/hand_outline.hpp"
 #include "handyar/hand_shape.hpp"
 
 namespace handyar {
@@ -16,19 +18,24 @@ struct OutlineSearchConfig {
   int directions_per_frame = 5;    ///< of 30 in which a hand may point; they take turns
   int proposals = 5;               ///< places a frame that are worth a closer look, at most 16
   double least_finger_bins = 6.5;  ///< width of the thinnest fingers that are looked for
+  // Of a hand that is followed, how much edge must lie under it, from 0 to 1. Hands that are there
+  // have about 0.7; what else lies under an outline that was moved until most does, about 0.55.
+  double least_support = 0.60;         ///< under its whole outline
+  double least_finger_support = 0.50;  ///< under each finger
 };
 
 /// Where hands may be, by their outline alone, whatever their colours. The outline of the average
 /// hand, turned, mirrored, foreshortened and at many sizes, is slid over the directions of the
-/// picture's edges, among which a faint one counts nearly as much as a strong one; inside the hand
-/// there should be few. After Hinterstoisser et al., "Gradient Response Maps for Real-Time
-/// Detection of Textureless Objects" (PAMI 2012). The best places are then aligned with the edges,
-/// first the whole hand, then finger by finger.
+/// picture's edges; inside the hand there should be few. After Hinterstoisser et al., "Gradient
+/// Response Maps for Real-Time Detection of Textureless Objects" (PAMI 2012). The best places are
+/// then aligned with the edges, first the whole hand, then finger by finger. A hand whose own
+/// outline is known is followed in the same way.
 class OutlineSearch {
  public:
   explicit OutlineSearch(const OutlineSearchConfig& config = {});
 
-  /// Room for images of up to `max_pixels` bins and `max_side` bins a side.
+  /// Room for images of up to `max_pixels` bins and `max_side` bins a side; to follow a hand in a
+  /// finer picture there is room around its expected place.
   void reserve(int max_pixels, int max_side);
 
   /// Begins with the first of the directions again.
@@ -38,70 +45,43 @@ class OutlineSearch {
   /// next call.
   std::span<const HandShape> find(const BinImage& image) noexcept;
 
+  /// Moves a hand that is expected about here, in bins of `image`, to where the edges lie under its
+  /// own outline. False when too few do, under all of it or under one finger, or when it is too
+  /// large for the room.
+  bool follow(const BinImage& image, HandShape& hand) noexcept;
+
  private:
-  static constexpr int kEdgeDirections = 8;          // of half a turn
-  static constexpr int kMaps = kEdgeDirections + 1;  // one for each, and one of calm
   static constexpr int kMaxProposals = 16;
 
-  /// A point of the outline with its normal, in metres of the hand's plane.
-  struct OutlinePoint {
-    Eigen::Vector2f at_m, normal;
-    int bone;  ///< a finger's number, or beyond
-  };
   struct Feature {
-    std::int8_t dx, dy;  ///< pixels of a level
+    std::int8_t dx, dy;  ///< pixels of the maps
     std::uint8_t map;
   };
   struct Template {
-    Eigen::Matrix2f px_per_m;  ///< level from hand
+    Eigen::Matrix2f px_per_m;  ///< maps from hand, thumb_right
     Layout layout = Layout::thumb_right;
     std::vector<Feature> features;
     int left = 0, right = 0, up = 0, down = 0;  ///< how far the features reach
   };
-  /// The image at 1/scale of its size, with a margin around it; the even columns of each map lie
-  /// together, then the odd ones.
-  struct Level {
-    float scale = 1;
-    int width = 0, height = 0;
-
-    int row_size() const noexcept { return width / 2; }
-    int plane_size() const noexcept { return row_size() * height; }
-    int offset(int map, int x, int y) const noexcept {
-      return (2 * map + (x & 1)) * plane_size() + y * row_size() + (x >> 1);
-    }
-  };
   struct Proposal {
-    HandShape shape;  ///< as slid, until it is aligned
+    HandOutline::AffineMap image_hand;  ///< as slid
+    Layout layout = Layout::thumb_right;
     std::array<Eigen::Vector2f, kFingerCount> slid_tips;
     int score = 0;
     bool aligned = false;
-  };
-  /// What a colour step from one neighbour to the other means: shares of two edge directions.
-  struct Edge {
-    std::uint8_t direction, strength, next_strength, calm;
+    HandShape shape;  ///< once it is aligned
   };
 
-  void draw_outline();
+  float least_scale() const noexcept;
   void make_templates();
-  Edge edge(int gx, int gy) const noexcept;
-  int nearest_direction(const Eigen::Vector2f& normal) const noexcept;
-  void read_colors(const BinImage& image, int width, int height, float scale) noexcept;
-  void read_level(const BinImage& image, float scale) noexcept;
-  void spread(int map) noexcept;
   void slide(const Template& t) noexcept;
   void propose(const Template& t, const Eigen::Vector2f& at_px, int score) noexcept;
-  void align(HandShape& shape) const noexcept;
+  HandShape align(const Proposal& slid) const noexcept;
 
   OutlineSearchConfig config_;
-  HandShape hand_;  // the average one, in metres
-  std::vector<OutlinePoint> outline_;
+  HandOutline average_, own_;
+  EdgeMaps edges_;
   std::vector<Template> templates_;  // those of one direction next to each other
-  std::vector<Edge> edge_table_;
-  Level level_;                       // the one that is searched
-  std::vector<std::uint8_t> colors_;  // three channels of the image at its size
-  std::vector<std::uint8_t> edges_;   // its maps before edges are spread
-  std::vector<std::uint8_t> maps_;
-  std::vector<std::uint8_t> highest_;
   std::vector<std::uint16_t> sums_;
   std::vector<int> offsets_;
   std::array<Proposal, kMaxProposals> proposals_;
