@@ -325,11 +325,10 @@ Eigen::Matrix<float, 2, 3> fit_affine(const Eigen::Matrix<float, 3, kPoints>& fr
   return to * weighted * (from * weighted).inverse();
 }
 
-constexpr float kEnoughFrames = 10;
-
 }  // namespace
 
 void OwnShape::learn(const HandShape& shape, float share) noexcept {
+  layout_ = shape.layout;
   const Eigen::Matrix<float, 2, kPoints> points = points_of(shape);
   if (weight_ == 0) {
     // As if seen straight on, as far as the map to hands in general tells.
@@ -348,7 +347,16 @@ void OwnShape::learn(const HandShape& shape, float share) noexcept {
 }
 
 bool OwnShape::knows(const HandShape& shape) const noexcept {
-  return weight_ >= kEnoughFrames && weights_of(shape).sum() >= kPoints - 4;
+  return is_known() && weights_of(shape).sum() >= kPoints - 4;
+}
+
+HandShape OwnShape::laid_on(const HandShape& shape) const noexcept {
+  const Eigen::Matrix<float, 2, kPoints> points =
+      fit_affine(mean_, points_of(shape), Eigen::Matrix<float, kPoints, 1>::Ones()) * mean_;
+  HandShape laid = shape;
+  for (int f = 0; f < kFingerCount; ++f) laid.tips[f] = points.col(f);
+  for (int k = 0; k < kValleyCount; ++k) laid.valleys[k] = points.col(kFingerCount + k);
+  return laid;
 }
 
 int OwnShape::misread(const HandShape& shape) const noexcept {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "handyar/hand_outline.hpp"
 #include "handyar/hand_search.hpp"
 #include "handyar/matching.hpp"
 #include "handyar/skin_model.hpp"
@@ -50,6 +51,7 @@ struct HandTracker::Impl {
   bool read_neighbourhood(const ImageView& frame) noexcept;
   bool segment(bool where_expected) noexcept;
   bool adopt_found(const ImageView& frame) noexcept;
+  bool follow_outline() noexcept;
   bool trace(const Component* hand) noexcept;
   bool find_fingertips() noexcept;
   bool match(bool anew) noexcept;
@@ -95,6 +97,7 @@ struct HandTracker::Impl {
   CurvatureFinder curvature;
   PoseFilter filter;
   SkinSamples samples;
+  Mask silhouette;
   std::vector<Eigen::Vector2f> contour_px;
   int contour_size = 0;
 
@@ -116,6 +119,8 @@ struct HandTracker::Impl {
   double tracked_s = -std::numeric_limits<double>::infinity();  // when it was last tracked
   double five_tips_s = 0;                                       // when all five tips were last seen
   int seen_frames = 0;
+  bool colorless = false;  // the outline alone shows the hand in this frame
+  double colored_s = 0;    // when it was last seen by its colours
   double relief_evidence = 0;    // log odds that heights are the model's, not mirrored
   float acquired_deviation = 1;  // of the search's best view of the hand that is being acquired
   struct {
@@ -150,6 +155,7 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
   expectation.ratios.resize((width_px / 2 + 1) * (height_px / 2 + 1));  // cells of 2 or more
   const int step = search_step();
   search.reserve((width_px / step) * (height_px / step), std::max(width_px, height_px) / step);
+  silhouette.reserve(pixels, std::max(width_px, height_px));
   contour.reserve(1 << 14);
   contour_px.resize(1 << 14);
   forget();
@@ -241,6 +247,22 @@ bool HandTracker::Impl::adopt_found(const ImageView& frame) noexcept {
   region.classify(search.mask());
   region.components(least_area());
   return trace(region.component_at(int(before.palm().x()), int(before.palm().y())));
+}
+
+/// Where colours do not show the hand, its own outline may lie among the edges: leaves what
+/// segment() leaves, the hand's silhouette for a mask.
+bool HandTracker::Impl::follow_outline() noexcept {
+  if (!own_shape.is_known() || own_shape.layout() != shape.layout ||
+      time_s - colored_s > config.acquisition.max_colorless_s)
+    return false;
+  HandShape hand = own_shape.laid_on(expected);
+  if (!search.follow_outline(bins, hand)) return false;
+  before = expected = hand;
+  silhouette.resize(bins.width, bins.height);
+  draw_silhouette(hand, silhouette);
+  region.classify(silhouette);
+  region.components(least_area());
+  return trace(region.component_at(int(hand.palm().x()), int(hand.palm().y())));
 }
 
 bool HandTracker::Impl::trace(const Component* hand) noexcept {
@@ -411,7 +433,7 @@ void HandTracker::Impl::advance(bool seen) noexcept {
     if (following) {
       velocity_px_s = (now.palm() - shape.palm()) / static_cast<float>(time_s - seen_s);
     } else {
-      own_shape.reset();
+      if (!known || own_shape.layout() != found.layout) own_shape.reset();
       first_seen_s = time_s;
       seen_frames = 0;
       filter.reset();
@@ -421,13 +443,14 @@ void HandTracker::Impl::advance(bool seen) noexcept {
         time_s - first_seen_s > (known ? limits.reconfirm_s : limits.confirm_s) - 1e-6 &&
         seen_frames >= (known ? 2 : limits.confirm_frames);
     if (state != State::tracking) state = resumed || confirmed ? State::tracking : State::acquiring;
+    if (!colorless) colored_s = time_s;
     if (state == State::tracking) {
       // The hand's own shape, from frames that are likely right, over about this long.
       constexpr double kMemory_s = 0.7, kLikely = 0.75;
       const auto all = [](const auto& flags) {
         return std::ranges::all_of(flags, std::identity());
       };
-      if (found.deviation < kLikely * config.shape.max_deviation && all(found.tip_seen) &&
+      if (!colorless && found.deviation < kLikely * config.shape.max_deviation && all(found.tip_seen) &&
           all(found.valley_seen))
         own_shape.learn(found, static_cast<float>((time_s - seen_s) / kMemory_s));
       tracked_s = time_s;
@@ -494,6 +517,12 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
       return true;
     return seen && look_at(anew, false);
   };
+  const auto follow = [&] {
+    if (look(false)) return true;
+    t.colorless = true;
+    return clock.time(times.segmentation_ms, [&] { return t.follow_outline(); }) &&
+           identify(false);
+  };
   const auto search = [&] {
     return clock.time(times.segmentation_ms, [&] { return t.find_anywhere(frame); });
   };
@@ -519,10 +548,13 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
     return seen;
   };
   bool seen = false;
+  t.colorless = false;
   if (t.state == State::acquiring && search()) seen = look_anew();
-  if (!seen && t.following) seen = look(false);
-  if (!seen && (t.state == State::searching || t.state == State::lost) && search())
+  if (!seen && t.following) seen = follow();
+  if (!seen && (t.state == State::searching || t.state == State::lost) && search()) {
+    t.colorless = false;
     seen = look_anew();
+  }
   t.advance(seen);
   result.state = t.state;
   if (!seen) result.raw_pose.reset();

@@ -19,6 +19,7 @@ struct AcquisitionConfig {
   int confirm_frames = 3;     ///< and in at least as many frames
   double remember_s = 3.0;
   double coast_s = 0.2;             ///< how long a lost hand is still looked for where it was
+  double max_colorless_s = 2.0;     ///< how long edges alone will do, where colours do not tell
   double max_missing_tip_s = 0.25;  ///< how long four tips will do
   double max_residual_m = 0.0045;   ///< of the pose of a measured hand, rms over its fingertips
 };

@@ -108,6 +108,15 @@ class OwnShape {
  public:
   void reset() noexcept { weight_ = 0; }
 
+  /// Enough was learned to tell where a point of this hand should be.
+  bool is_known() const noexcept { return weight_ >= kEnoughFrames; }
+
+  /// The layout of what was learned last.
+  Layout layout() const noexcept { return layout_; }
+
+  /// This hand as it was learned, where `shape` is.
+  HandShape laid_on(const HandShape& shape) const noexcept;
+
   /// Takes in a verified shape with all tips and valleys; `share` is its weight in the mean.
   void learn(const HandShape& shape, float share) noexcept;
 
@@ -121,7 +130,9 @@ class OwnShape {
  private:
   static constexpr int kPoints = kFingerCount + kValleyCount;
   Eigen::Matrix<float, 3, kPoints> mean_;  ///< metres, in an affine frame of its own; last row ones
-  float weight_ = 0;                       ///< frames, until it is enough
+  static constexpr float kEnoughFrames = 10;
+  float weight_ = 0;  ///< frames, until it is enough
+  Layout layout_ = Layout::thumb_right;
 
   bool knows(const HandShape& shape) const noexcept;
 };
