@@ -134,6 +134,20 @@ float HandOutline::support(const EdgeMaps& edges, const AffineMap& maps_hand) co
   return static_cast<float>(edges_under(edges, maps_hand)) / most;
 }
 
+void HandOutline::shift(const EdgeMaps& edges, int reach, AffineMap& maps_hand) const noexcept {
+  const AffineMap start = maps_hand;
+  int best = edges_under(edges, start);
+  for (int dy = -reach; dy <= reach; dy += 2)
+    for (int dx = -reach; dx <= reach; dx += 2) {
+      AffineMap shifted = start;
+      shifted.col(2) += Eigen::Vector2f(static_cast<float>(dx), static_cast<float>(dy));
+      const int sum = edges_under(edges, shifted);
+      if (sum <= best) continue;
+      best = sum;
+      maps_hand = shifted;
+    }
+}
+
 void HandOutline::align(const EdgeMaps& edges, std::span<const float> steps,
                         AffineMap& maps_hand) const noexcept {
   int best = edges_under(edges, maps_hand);

@@ -187,35 +187,36 @@ std::span<const HandShape> OutlineSearch::find(const BinImage& image) noexcept {
   }
   turn_ = (turn_ + 1) % apart;
   for (int k = 0; k < proposal_count_; ++k) found_[k] = proposals_[k].shape;
-  return {found_.data(), static_cast<std::size_t>(proposal_count_)};
+  return proposals();
 }
 
-bool OutlineSearch::follow(const BinImage& image, HandShape& hand) noexcept {
+float OutlineSearch::follow(const BinImage& image, HandShape& hand) noexcept {
   // Roughly, with as much reach as a hand moves from frame to frame, and then finely.
-  constexpr std::array<float, 10> kRough{4, 4, 2, 2, 1, 1, 0.5f, 0.5f, 0.25f, 0.25f};
+  constexpr int kReach_px = 4;
+  constexpr std::array<float, 8> kRough{2, 2, 1, 1, 0.5f, 0.5f, 0.25f, 0.25f};
   constexpr std::array<float, 6> kFine{1, 1, 0.5f, 0.5f, 0.25f, 0.25f};
   constexpr std::array<float, 5> kTurns_rad{0.0f, 0.05f, -0.05f, 0.1f, -0.1f};
   constexpr std::array<float, 5> kLengths{1.0f, 0.96f, 1.04f, 0.92f, 1.08f};
   own_.draw(hand.in_hand_plane());
   HandOutline::AffineMap image_hand = hand.image_thumb_right(), maps_hand;
   const float rough_scale = hand.finger_width / kFingerWidth_px;
-  const auto align = [&](float scale, std::span<const float> steps) {
+  const auto align = [&](float scale, int reach, std::span<const float> steps) {
     if (!edges_.read(image, std::max(scale, least_scale()))) return false;
     maps_hand = edges_.from_image(image_hand);
+    own_.shift(edges_, reach, maps_hand);
     own_.align(edges_, steps, maps_hand);
     image_hand = edges_.to_image(maps_hand);
     return true;
   };
-  if (!align(rough_scale, kRough) || !align(rough_scale / 2, kFine)) return false;
-  if (own_.support(edges_, maps_hand) < config_.least_support) return false;
+  if (!align(rough_scale, kReach_px, kRough) || !align(rough_scale / 2, 0, kFine)) return 0;
   HandShape bent = own_.hand_m();
   for (int f = 0; f < kFingerCount; ++f) {
     const auto finger = own_.bend(edges_, maps_hand, f, {kTurns_rad, kLengths});
-    if (finger.support < config_.least_finger_support) return false;
+    if (finger.support < config_.least_finger_support) return 0;
     bent.tips[f] = finger.tip_m;
   }
   hand = bent.laid(image_hand, hand.layout);
-  return true;
+  return own_.support(edges_, maps_hand);
 }
 
 }  // namespace handyar

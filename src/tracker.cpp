@@ -47,6 +47,8 @@ struct HandTracker::Impl {
 
   // The stages, in the order of the paper's Figure 2.
   bool find_anywhere(const ImageView& frame) noexcept;
+  bool find_own_outline() noexcept;
+  void go_to(const HandShape& candidate) noexcept;
   void forget_found() noexcept;
   bool read_neighbourhood(const ImageView& frame) noexcept;
   bool segment(bool where_expected) noexcept;
@@ -61,6 +63,9 @@ struct HandTracker::Impl {
   void filter_pose(TrackResult& result) noexcept;
   void learn(const BinImage& image, const Mask& mask, const HandShape& hand_shape) noexcept;
 
+  bool may_go_by_outline() const noexcept {
+    return own_shape.is_known() && time_s - colored_s < config.acquisition.max_colorless_s;
+  }
   int search_step() const noexcept {
     const int longer = std::max(width_px, height_px);
     return std::max(2, (longer + config.search.longer_side / 2) / config.search.longer_side);
@@ -119,8 +124,8 @@ struct HandTracker::Impl {
   double tracked_s = -std::numeric_limits<double>::infinity();  // when it was last tracked
   double five_tips_s = 0;                                       // when all five tips were last seen
   int seen_frames = 0;
-  bool colorless = false;  // the outline alone shows the hand in this frame
-  double colored_s = 0;    // when it was last seen by its colours
+  bool colorless = false;        // the outline alone shows the hand in this frame
+  double colored_s = 0;          // when it was last seen by its colours
   double relief_evidence = 0;    // log odds that heights are the model's, not mirrored
   float acquired_deviation = 1;  // of the search's best view of the hand that is being acquired
   struct {
@@ -177,11 +182,7 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
     }
     if (candidate.deviation > 0.9f * acquired_deviation) return false;
   }
-  before_search.shape = shape;
-  before_search.following = following;
-  following = following && state == State::lost && candidate.may_follow(shape);
-  if (!following) velocity_px_s.setZero();
-  shape = candidate;
+  go_to(candidate);
   // Found by another reading, the hand is in a light that what was learned does not tell about.
   if (search.found_by_skin())
     skin.restore(trusted_skin);
@@ -191,6 +192,29 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   skin.widen();
   learn(seen, search.mask(), coarse);
   return true;
+}
+
+/// Where the search saw what may be any hand's outline but no region: true when it is the outline
+/// of the hand that was lost.
+bool HandTracker::Impl::find_own_outline() noexcept {
+  if (!may_go_by_outline()) return false;
+  for (const HandShape& proposal : search.outlines().proposals()) {
+    if (proposal.layout != own_shape.layout()) continue;
+    HandShape hand = own_shape.laid_on(proposal);
+    if (search.outlines().follow(bins, hand) < config.acquisition.sure_support) continue;
+    go_to(to_input(hand));
+    return true;
+  }
+  return false;
+}
+
+/// The candidate is where to look, until forget_found().
+void HandTracker::Impl::go_to(const HandShape& candidate) noexcept {
+  before_search.shape = shape;
+  before_search.following = following;
+  following = following && state == State::lost && candidate.may_follow(shape);
+  if (!following) velocity_px_s.setZero();
+  shape = candidate;
 }
 
 /// What the search found was no hand at a closer look: the last place counts again, and the colours
@@ -252,11 +276,9 @@ bool HandTracker::Impl::adopt_found(const ImageView& frame) noexcept {
 /// Where colours do not show the hand, its own outline may lie among the edges: leaves what
 /// segment() leaves, the hand's silhouette for a mask.
 bool HandTracker::Impl::follow_outline() noexcept {
-  if (!own_shape.is_known() || own_shape.layout() != shape.layout ||
-      time_s - colored_s > config.acquisition.max_colorless_s)
-    return false;
+  if (!may_go_by_outline() || own_shape.layout() != shape.layout) return false;
   HandShape hand = own_shape.laid_on(expected);
-  if (!search.follow_outline(bins, hand)) return false;
+  if (search.outlines().follow(bins, hand) < config.acquisition.least_support) return false;
   before = expected = hand;
   silhouette.resize(bins.width, bins.height);
   draw_silhouette(hand, silhouette);
@@ -450,8 +472,8 @@ void HandTracker::Impl::advance(bool seen) noexcept {
       const auto all = [](const auto& flags) {
         return std::ranges::all_of(flags, std::identity());
       };
-      if (!colorless && found.deviation < kLikely * config.shape.max_deviation && all(found.tip_seen) &&
-          all(found.valley_seen))
+      if (!colorless && found.deviation < kLikely * config.shape.max_deviation &&
+          all(found.tip_seen) && all(found.valley_seen))
         own_shape.learn(found, static_cast<float>((time_s - seen_s) / kMemory_s));
       tracked_s = time_s;
     }
@@ -517,11 +539,9 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
       return true;
     return seen && look_at(anew, false);
   };
-  const auto follow = [&] {
-    if (look(false)) return true;
+  const auto look_at_outline = [&](bool anew) {
     t.colorless = true;
-    return clock.time(times.segmentation_ms, [&] { return t.follow_outline(); }) &&
-           identify(false);
+    return clock.time(times.segmentation_ms, [&] { return t.follow_outline(); }) && identify(anew);
   };
   const auto search = [&] {
     return clock.time(times.segmentation_ms, [&] { return t.find_anywhere(frame); });
@@ -550,10 +570,16 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   bool seen = false;
   t.colorless = false;
   if (t.state == State::acquiring && search()) seen = look_anew();
-  if (!seen && t.following) seen = follow();
-  if (!seen && (t.state == State::searching || t.state == State::lost) && search()) {
+  if (!seen && t.following) seen = look(false) || look_at_outline(false);
+  if (!seen && (t.state == State::searching || t.state == State::lost)) {
     t.colorless = false;
-    seen = look_anew();
+    if (search()) {
+      seen = look_anew();
+    } else if (clock.time(times.segmentation_ms, [&] { return t.find_own_outline(); })) {
+      seen = clock.time(times.segmentation_ms, [&] { return t.read_neighbourhood(frame); }) &&
+             look_at_outline(true);
+      if (!seen) t.forget_found();
+    }
   }
   t.advance(seen);
   result.state = t.state;

@@ -296,6 +296,44 @@ TEST(Tracker, AGloveIsFoundByItsShapeAndItsColoursAreGivenBack) {
   EXPECT_TRUE(film.tracker.learned_colors().empty());
 }
 
+/// In how many of 30 frames a hand is tracked that, from one to the next, takes on the colours of
+/// the room behind it, a half of it darker, a half lighter.
+int tracked_in_the_rooms_colors(const Config& config) {
+  Film film(config);
+  film.textured = true;
+  EXPECT_LT(film.until(State::tracking, 1), 1);
+  for (int i = 0; i < 15; ++i) film.next();
+  film.present = false;
+  film.extra = [&film](Picture& p) {
+    const Picture room = p;
+    p.paint(film.hand, film.camera, film.T_camera_hand);
+    for (int y = 0; y < p.height(); ++y)
+      for (int x = 0; x < p.width(); ++x) {
+        if (std::equal(room.at(x, y), room.at(x, y) + 3, p.at(x, y))) continue;
+        const int light = 2 * x + y < 2 * 330 + 200 ? -50 : 50;
+        for (int c = 0; c < 3; ++c)
+          p.at(x, y)[c] = static_cast<std::uint8_t>(std::clamp(room.at(x, y)[c] + light, 0, 255));
+      }
+  };
+  int tracked = 0;
+  for (int i = 0; i < 30; ++i) {
+    expect_consistent(film.next());
+    if (film.result.state != State::tracking) continue;
+    ++tracked;
+    EXPECT_LT(film.worst_tip_px(), 20);
+  }
+  film.extra = {};
+  EXPECT_LT(film.until(State::lost, 0.2), 0.2) << "there is no outline any more";
+  for (int i = 0; i < 30; ++i) EXPECT_NE(film.next().state, State::tracking);
+  return tracked;
+}
+
+TEST(Tracker, FollowsTheOutlineWhereColoursTellNothing) {
+  Config by_color_alone;
+  by_color_alone.acquisition.max_colorless_s = 0;
+  EXPECT_GT(tracked_in_the_rooms_colors({}), tracked_in_the_rooms_colors(by_color_alone) + 8);
+}
+
 TEST(Tracker, PredictsThePoseForDisplay) {
   Film film;
   EXPECT_FALSE(film.tracker.predict(0.01));

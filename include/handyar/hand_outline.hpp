@@ -41,6 +41,10 @@ class HandOutline {
   /// 0 to 1: how much edge lies under the outline where `maps_hand` puts it.
   float support(const EdgeMaps& edges, const AffineMap& maps_hand) const noexcept;
 
+  /// Moves the hand without turning it to where most edge is, by up to `reach` pixels of the maps
+  /// each way, in steps of two.
+  void shift(const EdgeMaps& edges, int reach, AffineMap& maps_hand) const noexcept;
+
   /// Moves the hand as a whole to where most edge is; by steps of two pixels, a tenth of a radian
   /// and a tenth of the size, times each of `steps` in turn.
   void align(const EdgeMaps& edges, std::span<const float> steps,

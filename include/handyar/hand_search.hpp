@@ -46,10 +46,8 @@ class HandSearch {
   /// its region alone.
   bool find(const BinImage& image, const SkinModel& skin, HandShape& shape) noexcept;
 
-  /// As OutlineSearch::follow().
-  bool follow_outline(const BinImage& image, HandShape& hand) noexcept {
-    return outlines_.follow(image, hand);
-  }
+  /// For hands of which colours tell nothing.
+  OutlineSearch& outlines() noexcept { return outlines_; }
 
   /// What was found was found by the colours that the skin model has learned.
   bool found_by_skin() const noexcept { return found_by_skin_; }

@@ -15,13 +15,10 @@
 namespace handyar {
 
 struct OutlineSearchConfig {
-  int directions_per_frame = 5;    ///< of 30 in which a hand may point; they take turns
-  int proposals = 5;               ///< places a frame that are worth a closer look, at most 16
-  double least_finger_bins = 6.5;  ///< width of the thinnest fingers that are looked for
-  // Of a hand that is followed, how much edge must lie under it, from 0 to 1. Hands that are there
-  // have about 0.7; what else lies under an outline that was moved until most does, about 0.55.
-  double least_support = 0.60;         ///< under its whole outline
-  double least_finger_support = 0.50;  ///< under each finger
+  int directions_per_frame = 5;        ///< of 30 in which a hand may point; they take turns
+  int proposals = 5;                   ///< places a frame that are worth a closer look, at most 16
+  double least_finger_bins = 6.5;      ///< width of the thinnest fingers that are looked for
+  double least_finger_support = 0.50;  ///< of each finger of a hand that is followed, see follow()
 };
 
 /// Where hands may be, by their outline alone, whatever their colours. The outline of the average
@@ -45,10 +42,15 @@ class OutlineSearch {
   /// next call.
   std::span<const HandShape> find(const BinImage& image) noexcept;
 
-  /// Moves a hand that is expected about here, in bins of `image`, to where the edges lie under its
-  /// own outline. False when too few do, under all of it or under one finger, or when it is too
-  /// large for the room.
-  bool follow(const BinImage& image, HandShape& hand) noexcept;
+  /// What find() gave last.
+  std::span<const HandShape> proposals() const noexcept {
+    return {found_.data(), static_cast<std::size_t>(proposal_count_)};
+  }
+
+  /// Moves a hand that is expected about here, in bins of `image`, to where most edge lies under
+  /// its own outline. How much, from 0 to 1: about 0.7 where the hand is, 0.5 elsewhere; 0 when a
+  /// finger has too little or the hand is too large for the room, and then it is not moved.
+  float follow(const BinImage& image, HandShape& hand) noexcept;
 
  private:
   static constexpr int kMaxProposals = 16;
