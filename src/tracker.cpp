@@ -402,7 +402,9 @@ bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   HandObservation observation;
   // By which share of a finger's width tips and valleys move from frame to frame when nothing does.
   constexpr double kTipNoise = 0.018, kValleyNoise = 0.025;
-  const double finger_px = bins.step_px * std::max(found.finger_width, 10.0f);
+  constexpr double kColorless = 3;  // times as far where an outline tells, which is rougher
+  const double finger_px =
+      bins.step_px * std::max(found.finger_width, 10.0f) * (colorless ? kColorless : 1);
   for (int f = 0; f < kFingerCount; ++f)
     observation.tips[f] = {result.tips[f].px, kTipNoise * finger_px, result.tips[f].seen};
   for (int k = 0; k < kValleyCount; ++k)
