@@ -20,7 +20,7 @@ struct AcquisitionConfig {
   double remember_s = 3.0;
   double coast_s = 0.2;             ///< how long a lost hand is still looked for where it was
   double max_colorless_s = 2.0;     ///< how long edges alone will do, where colours do not tell
-  double least_support = 0.62;      ///< edge under the outline of a hand that is followed by it
+  double least_support = 0.60;      ///< edge under the outline of a hand that is followed by it
   double sure_support = 0.66;       ///< and of one that is found by it, see OutlineSearch::follow
   double max_missing_tip_s = 0.25;  ///< how long four tips will do
   double max_residual_m = 0.0045;   ///< of the pose of a measured hand, rms over its fingertips

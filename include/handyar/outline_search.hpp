@@ -18,7 +18,7 @@ struct OutlineSearchConfig {
   int directions_per_frame = 5;        ///< of 30 in which a hand may point; they take turns
   int proposals = 5;                   ///< places a frame that are worth a closer look, at most 16
   double least_finger_bins = 6.5;      ///< width of the thinnest fingers that are looked for
-  double least_finger_support = 0.50;  ///< of each finger of a hand that is followed, see follow()
+  double least_finger_support = 0.46;  ///< of each finger of a hand that is followed, see follow()
 };
 
 /// Where hands may be, by their outline alone, whatever their colours. The outline of the average
