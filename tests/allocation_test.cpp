@@ -9,7 +9,7 @@
 namespace {
 std::atomic<int> allocations = 0;
 std::atomic<std::size_t> allocated_bytes = 0;  // freed or not
-}
+}  // namespace
 
 #if defined(__SANITIZE_ADDRESS__)
 // Declared in sanitizer/allocator_interface.h, which GCC's packages leave out.
@@ -21,7 +21,8 @@ const int kInstalled = __sanitizer_install_malloc_and_free_hooks(
     [](const volatile void*, std::size_t n) {
       ++allocations;
       allocated_bytes += n;
-    }, [](const volatile void*) {});
+    },
+    [](const volatile void*) {});
 }
 #elif defined(__GLIBC__)
 extern "C" {

@@ -36,14 +36,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(kExamples);
   const Command commands[] = {
-      add_demo(app),
-      add_track(app),
-      add_inspect(app),
-      add_calibrate(app),
-      add_board(app),
-      add_cameras(app),
-      add_evaluate(app),
-      add_learn_color(app),
+      add_demo(app),  add_track(app),   add_inspect(app),  add_calibrate(app),
+      add_board(app), add_cameras(app), add_evaluate(app), add_learn_color(app),
   };
   try {
     app.parse(argc, argv);

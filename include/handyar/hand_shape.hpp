@@ -24,6 +24,9 @@ struct HandShapeConfig {
   double min_palm_fill = 0.85;    ///< share of the palm disc that lies in the region
   double min_finger_fill = 0.75;  ///< share of a finger's stations that are as wide as a finger
   double max_raggedness = 1.35;  ///< length of the boundary of the fingers over its smoothed length
+  double own_memory_s = 0.7;     ///< over which a tracked hand's own shape is averaged
+  double own_deviation_share = 0.75;  ///< of max_deviation: frames below it are likely right,
+                                      ///< and its own shape is learned from them
 };
 
 /// Five fingers found on a contour, in finger order, in mask pixels.

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "handyar/hand_search.hpp"
+#include "handyar/skin_model.hpp"
+#include "handyar/tracker.hpp"
+#include "skin_samples.hpp"
+
+namespace handyar {
+
+struct HandTracker::Impl {
+  Impl(const Camera& c, const HandModel& hand, const Config& cfg)
+      : config(cfg),
+        calibrated_camera(c),
+        camera(c),
+        measured_layout(hand.layout),
+        hands{hand.for_layout(Layout::thumb_right), hand.for_layout(Layout::thumb_left)},
+        skin(cfg.skin),
+        shape_model(hand, cfg.shape),
+        search(cfg.search, cfg.fingertips, cfg.shape, shape_model),
+        curvature(cfg.fingertips),
+        filter(cfg.filter) {}
+
+  void prepare(const ImageView& frame);
+  void forget() noexcept;
+  void advance(bool seen) noexcept;
+
+  // tracker_search.cpp
+  bool find_anywhere(const ImageView& frame) noexcept;
+  bool find_own_outline() noexcept;
+  void go_to(const HandShape& candidate) noexcept;
+  void forget_found() noexcept;
+  bool adopt_found(const ImageView& frame) noexcept;
+
+  // tracker_stages.cpp: in the order of the paper's Figure 2.
+  bool read_neighbourhood(const ImageView& frame) noexcept;
+  bool segment(bool where_expected) noexcept;
+  bool follow_outline() noexcept;
+  bool trace(const Component* hand) noexcept;
+  bool find_fingertips() noexcept;
+  bool match(bool anew) noexcept;
+  void measure_tips(TrackResult& result) noexcept;
+  bool estimate_pose(TrackResult& result) noexcept;
+  void filter_pose(TrackResult& result) noexcept;
+  void learn(const BinImage& image, const Mask& mask, const HandShape& hand_shape) noexcept;
+
+  bool may_go_by_outline() const noexcept {
+    return own_shape.is_known() && time_s - colored_s < config.acquisition.max_colorless_s;
+  }
+  int search_step() const noexcept {
+    const int longer = std::max(width_px, height_px);
+    return std::max(2, (longer + config.search.longer_side / 2) / config.search.longer_side);
+  }
+  PixelRect region_of_interest(double dt_s) const noexcept;
+  Eigen::Vector2f to_input(const Eigen::Vector2f& p) const noexcept {
+    return {static_cast<float>(bins.x_px(p.x())), static_cast<float>(bins.y_px(p.y()))};
+  }
+  HandShape to_input(const HandShape& s) const noexcept {
+    return s.transformed(static_cast<float>(bins.step_px), bins.origin_px());
+  }
+  HandShape to_mask(const HandShape& shape_px) const noexcept {
+    const float scale = 1.0f / static_cast<float>(bins.step_px);
+    return shape_px.transformed(scale, -scale * bins.origin_px());
+  }
+  int least_area() const noexcept { return bins.width * bins.height / 50; }
+  const HandModel& hand(Layout layout) const noexcept { return hands[static_cast<int>(layout)]; }
+
+  Config config;
+  Camera calibrated_camera, camera;  // as given; at the size of the frames
+  Layout measured_layout;
+  HandModel hands[2];  // one per layout
+  int width_px = 0, height_px = 0;
+
+  SkinModel skin;
+  SkinModel::Learned trusted_skin;  // as it was when the hand was last tracked
+  HandShapeModel shape_model;
+  HandSearch search;
+  BinImage bins;  // of the neighbourhood, or of the whole frame while searching it
+  ExpectedRegion expectation;
+  const ExpectedRegion anywhere{.ratios = {ExpectedRegion::kInside}};
+  RegionFinder region;
+  Contour contour;
+  CurvatureFinder curvature;
+  PoseFilter filter;
+  SkinSamples samples;
+  Mask silhouette;
+  std::vector<Eigen::Vector2f> contour_px;
+  int contour_size = 0;
+
+  // What is known of the hand from frame to frame.
+  State state = State::searching;
+  bool following = false;      // `shape` tells where the hand was in the last frame
+  HandShape shape;             // input pixels
+  bool promising = false;      // `found` was refused, but not by much
+  HandShape before, expected;  // mask pixels of this frame: `shape`, and where it should be now
+  HandShape found;             // mask pixels of this frame
+  std::array<bool, kFingerCount> tip_inferred{};  // of `found`: from own_shape
+  OwnShape own_shape;
+  Component component;
+  Eigen::Vector2f centroid_px = Eigen::Vector2f::Zero();
+  Eigen::Vector2f velocity_px_s = Eigen::Vector2f::Zero();
+  double time_s = -std::numeric_limits<double>::infinity();
+  double seen_s = 0;        // when the hand was last seen
+  double first_seen_s = 0;  // since when it is seen without a break
+  double tracked_s = -std::numeric_limits<double>::infinity();  // when it was last tracked
+  double five_tips_s = 0;                                       // when all five tips were last seen
+  int seen_frames = 0;
+  bool colorless = false;        // the outline alone shows the hand in this frame
+  double colored_s = 0;          // when it was last seen by its colours
+  double relief_evidence = 0;    // log odds that heights are the model's, not mirrored
+  float acquired_deviation = 1;  // of the search's best view of the hand that is being acquired
+  struct {
+    HandShape shape;
+    bool following = false;
+  } before_search;  // what was known, until what the search found is a hand at a closer look
+};
+
+}  // namespace handyar

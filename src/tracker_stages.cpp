@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+// The stages of the paper's Figure 2 around a hand that is followed, or was just found.
+#include <algorithm>
+#include <cmath>
+
+#include "handyar/hand_outline.hpp"
+#include "handyar/matching.hpp"
+#include "tracker_impl.hpp"
+
+namespace handyar {
+
+PixelRect HandTracker::Impl::region_of_interest(double dt_s) const noexcept {
+  const Eigen::Vector2f shift = static_cast<float>(dt_s) * velocity_px_s;
+  const float margin = shape.palm_radius() + 0.5f * shift.norm();
+  const Eigen::AlignedBox2f box = shape.bounds();
+  const Eigen::Vector2f limit(static_cast<float>(width_px), static_cast<float>(height_px));
+  const Eigen::Vector2f low =
+      (box.min() + shift - Eigen::Vector2f::Constant(margin)).cwiseMax(0.0f).cwiseMin(limit);
+  const Eigen::Vector2f high =
+      (box.max() + shift + Eigen::Vector2f::Constant(margin)).cwiseMax(low).cwiseMin(limit);
+  return {static_cast<int>(low.x()), static_cast<int>(low.y()),
+          static_cast<int>(std::ceil(high.x())) - static_cast<int>(low.x()),
+          static_cast<int>(std::ceil(high.y())) - static_cast<int>(low.y())};
+}
+
+/// The neighbourhood of where the hand is expected: leaves bins, and the last shape in them as it
+/// was and as it is expected to be now.
+bool HandTracker::Impl::read_neighbourhood(const ImageView& frame) noexcept {
+  const double dt = state == State::searching ? 0.0 : std::min(time_s - seen_s, 0.1);
+  const int enough_px = 900;  // along the longer side: finer than that costs and gains little
+  const int step = std::max(1, std::max(width_px, height_px) / enough_px);
+  read_bins(frame, region_of_interest(dt), config.half_resolution ? 2 * step : step, bins);
+  before = to_mask(shape);
+  expected = before.transformed(
+      1, static_cast<float>(dt) / static_cast<float>(bins.step_px) * velocity_px_s);
+  return bins.width >= 16 && bins.height >= 16;
+}
+
+/// Segmentation (paper 2.1) by colour, or `where_expected` by colour, place and edges: leaves mask,
+/// component and contour.
+bool HandTracker::Impl::segment(bool where_expected) noexcept {
+  if (where_expected) expected.expect(bins.width, bins.height, expectation);
+  const Component* hand =
+      region.segment(bins, skin.ratios(), where_expected ? expectation : anywhere, expected.palm(),
+                     expected.finger_width, least_area());
+  return trace(hand);
+}
+
+/// Where colours do not show the hand, its own outline may lie among the edges: leaves what
+/// segment() leaves, the hand's silhouette for a mask.
+bool HandTracker::Impl::follow_outline() noexcept {
+  if (!may_go_by_outline() || own_shape.layout() != shape.layout) return false;
+  HandShape hand = own_shape.laid_on(expected);
+  if (search.outlines().follow(bins, hand) < config.acquisition.least_support) return false;
+  before = expected = hand;
+  silhouette.resize(bins.width, bins.height);
+  draw_silhouette(hand, silhouette);
+  region.classify(silhouette);
+  region.components(least_area());
+  return trace(region.component_at(int(hand.palm().x()), int(hand.palm().y())));
+}
+
+bool HandTracker::Impl::trace(const Component* hand) noexcept {
+  if (hand == nullptr) return false;
+  component = *hand;
+  return contour.trace(region.mask(), component);
+}
+
+/// Places where the contour turns as sharply as a fingertip (paper 2.2).
+bool HandTracker::Impl::find_fingertips() noexcept {
+  curvature.find(contour, before.palm_radius());
+  return static_cast<int>(curvature.tips().size()) >= config.matching.min_tips;
+}
+
+/// Which is which finger, after the frame before (paper 2.3) or, `anew`, after the search in this
+/// one; true when tips and valleys together are a hand's. Leaves `found`.
+bool HandTracker::Impl::match(bool anew) noexcept {
+  promising = false;
+  const auto tips = curvature.tips();
+  std::array<Eigen::Vector2f, CurvatureFinder::kMaxTips> candidates;
+  for (std::size_t i = 0; i < tips.size(); ++i) candidates[i] = tips[i].at - component.centroid;
+
+  const Eigen::Vector2f centroid_before =
+      anew ? component.centroid
+           : Eigen::Vector2f((centroid_px - bins.origin_px()) / static_cast<float>(bins.step_px));
+  std::array<Eigen::Vector2f, kFingerCount> previous;
+  for (int f = 0; f < kFingerCount; ++f) previous[f] = before.tips[f] - centroid_before;
+  const float gate =
+      static_cast<float>(config.matching.max_displacement) * 4.5f * before.palm_radius();
+  const TipAssignment assignment =
+      match_tips(previous, {candidates.data(), tips.size()}, before.layout, gate);
+
+  found = before;
+  int matched = 0;
+  for (int f = 0; f < kFingerCount; ++f) {
+    found.tip_seen[f] = assignment[f] >= 0;
+    if (!found.tip_seen[f]) continue;
+    found.tips[f] = tips[assignment[f]].at;
+    found.tip_samples[f] = tips[assignment[f]].sample;
+    ++matched;
+  }
+  if (matched < (anew ? kFingerCount : config.matching.min_tips)) return false;
+  for (int k = 0; k < kValleyCount; ++k) {
+    found.valley_seen[k] = found.tip_seen[k] && found.tip_seen[k + 1];
+    if (!found.valley_seen[k]) continue;
+    const bool forward = found.layout == Layout::thumb_left;  // clockwise from finger k to k + 1
+    float depth = 0;
+    const int at = curvature.valley(found.tip_samples[forward ? k : k + 1],
+                                    found.tip_samples[forward ? k + 1 : k], &depth);
+    if (depth < 0.25f * before.palm_radius()) return false;
+    found.valleys[k] = curvature.samples()[at];
+  }
+  // A finger that is suddenly much longer or shorter runs on into what has the hand's colour.
+  tip_inferred.fill(false);
+  if (!anew) {
+    const int misread = own_shape.misread(found);
+    if (misread >= 0) {
+      found.tip_seen[misread] = false;
+      --matched;
+    }
+    for (int f = 0; f < kFingerCount; ++f)
+      tip_inferred[f] = !found.tip_seen[f] && own_shape.infer_tip(f, found);
+  }
+  HandShapeConfig limits = config.shape;
+  if (state == State::tracking || state == State::lost) {
+    limits.max_deviation *= 1.6;  // hysteresis
+    limits.min_aspect *= 0.6;
+  } else if (following) {
+    limits.max_deviation *= 1.2;
+  }
+  const bool accepted = shape_model.fit(limits, found);
+  promising = found.deviation < config.search.max_deviation;
+  if (!accepted) return false;
+  // A hand that has turned over meanwhile can pass for a distorted one of the old layout.
+  if (matched == kFingerCount) {
+    HandShape turned = found;
+    turned.layout = opposite(found.layout);
+    std::ranges::reverse(turned.tips);
+    std::ranges::reverse(turned.valleys);
+    if (shape_model.fit(limits, turned) && turned.deviation < 0.7f * found.deviation) return false;
+  }
+  // A tip that was missed stays where the shape puts it, for the next frame's matching.
+  const Eigen::Vector2f moved = found.palm() - before.palm();
+  for (int f = 0; f < kFingerCount; ++f)
+    if (!found.tip_seen[f] && !tip_inferred[f]) found.tips[f] = before.tips[f] + moved;
+  for (int k = 0; k < kValleyCount; ++k)
+    if (!found.valley_seen[k]) found.valleys[k] = before.valleys[k] + moved;
+  if (!fills_region(found, region.mask(), limits)) return false;
+  if (matched == kFingerCount) five_tips_s = time_s;
+  return time_s - five_tips_s <= config.acquisition.max_missing_tip_s;
+}
+
+/// Where each fingertip is, to a fraction of a pixel (paper 2.2).
+void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
+  result.tips = {};
+  result.valleys = {};
+  for (int f = 0; f < kFingerCount; ++f) {
+    if (tip_inferred[f]) result.tips[f] = {to_input(found.tips[f]).cast<double>(), false, true};
+    if (!found.tip_seen[f]) continue;
+    const float arc = static_cast<float>(found.tip_samples[f]) * curvature.spacing();
+    const Eigen::Vector2f tip =
+        measure_tip(contour, arc, found.finger_width, config.fingertips.method);
+    result.tips[f] = {to_input(tip).cast<double>(), true, false};
+  }
+  for (int k = 0; k < kValleyCount; ++k) {
+    if (!found.valley_seen[k]) continue;
+    const Eigen::Vector2f valley = measure_valley(contour, found.valleys[k], found.tips[k],
+                                                  found.tips[k + 1], found.finger_width);
+    result.valleys[k] = {to_input(valley).cast<double>(), true, false};
+  }
+}
+
+/// Camera pose relative to the hand (paper 2.5). False when a measured hand cannot look like this.
+bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
+  HandObservation observation;
+  // By which share of a finger's width tips and valleys move from frame to frame when nothing does.
+  constexpr double kTipNoise = 0.018, kValleyNoise = 0.025;
+  constexpr double kColorless = 3;  // times as far where an outline tells, which is rougher
+  const double finger_px =
+      bins.step_px * std::max(found.finger_width, 10.0f) * (colorless ? kColorless : 1);
+  for (int f = 0; f < kFingerCount; ++f)
+    observation.tips[f] = {result.tips[f].px, kTipNoise * finger_px, result.tips[f].seen};
+  for (int k = 0; k < kValleyCount; ++k)
+    observation.valleys[k] = {result.valleys[k].px, kValleyNoise * finger_px,
+                              result.valleys[k].seen};
+  PosePrior prior;
+  if (const auto predicted = filter.predict(time_s))
+    prior.prediction = PosePrediction{predicted->T_camera_hand, predicted->covariance};
+  // Palm and back have heights of opposite sign. With valleys the frames tell which is seen, little
+  // by little; tips alone do not, and the model's face is the likelier one.
+  const HandModel& model = hand(found.layout);
+  prior.relief_probability = model.has_valleys ? 1 / (1 + std::exp(-relief_evidence))
+                             : found.layout == measured_layout ? 1.0
+                                                               : 0.5;
+  result.raw_pose = handyar::estimate_pose(observation, model, camera, config.pose, prior);
+  if (model.source != HandSource::average_adult) {
+    if (!result.raw_pose) return false;
+    const double m_per_px = result.raw_pose->T_camera_hand.translation().z() / camera.fx_px;
+    if (result.raw_pose->rms_px * m_per_px > config.acquisition.max_residual_m) return false;
+  }
+  return true;
+}
+
+void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
+  if (result.raw_pose && std::isfinite(result.raw_pose->relief_log_ratio)) {
+    // Errors of neighbouring frames are alike: each counts for a fraction.
+    constexpr double kShare = 0.2, kLimit = 6.0;
+    relief_evidence =
+        std::clamp(relief_evidence + kShare * result.raw_pose->relief_log_ratio, -kLimit, kLimit);
+  }
+  if (result.raw_pose) filter.update(time_s, *result.raw_pose);
+  result.pose = filter.predict(time_s);
+}
+
+/// Colours of the verified hand and of what surrounds it go back into the skin model (paper 2.1).
+void HandTracker::Impl::learn(const BinImage& image, const Mask& mask,
+                              const HandShape& hand_shape) noexcept {
+  if (!std::ranges::all_of(hand_shape.valley_seen, [](bool seen) { return seen; })) return;
+  sample_skin(image, &mask, hand_shape, samples);
+  skin.learn(samples.hand, samples.background);
+}
+
+}  // namespace handyar
