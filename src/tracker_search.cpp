@@ -33,13 +33,15 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
 }
 
 /// Where the search saw what may be any hand's outline but no region: true when it is the outline
-/// of the hand that was lost.
+/// of the hand that was lost, not far from there and about as large.
 bool HandTracker::Impl::find_own_outline() noexcept {
   if (!may_go_by_outline()) return false;
   for (const HandShape& proposal : search.outlines().proposals()) {
     if (proposal.layout != own_shape.layout()) continue;
     HandShape hand = own_shape.laid_on(proposal);
-    if (search.outlines().follow(bins, hand) < config.acquisition.sure_support) continue;
+    if (!to_input(hand).may_follow(shape) ||
+        search.outlines().follow(bins, hand) < config.acquisition.sure_support)
+      continue;
     go_to(to_input(hand));
     return true;
   }
