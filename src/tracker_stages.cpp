@@ -174,12 +174,14 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
 bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   HandObservation observation;
   // By which share of a finger's width tips and valleys move from frame to frame when nothing does.
-  constexpr double kTipNoise = 0.018, kValleyNoise = 0.025;
+  // The sharpest turn is one of the contour's samples, which lie apart.
+  const double tip_noise = config.fingertips.method == FingertipMethod::curvature ? 0.060 : 0.018;
+  constexpr double kValleyNoise = 0.025;
   constexpr double kColorless = 3;  // times as far where an outline tells, which is rougher
   const double finger_px =
       bins.step_px * std::max(found.finger_width, 10.0f) * (colorless ? kColorless : 1);
   for (int f = 0; f < kFingerCount; ++f)
-    observation.tips[f] = {result.tips[f].px, kTipNoise * finger_px, result.tips[f].seen};
+    observation.tips[f] = {result.tips[f].px, tip_noise * finger_px, result.tips[f].seen};
   for (int k = 0; k < kValleyCount; ++k)
     observation.valleys[k] = {result.valleys[k].px, kValleyNoise * finger_px,
                               result.valleys[k].seen};
