@@ -89,13 +89,13 @@ void EdgeMaps::read_colors(const BinImage& image, int width, int height) noexcep
 bool EdgeMaps::read(const BinImage& image, float scale) noexcept {
   const int w = static_cast<int>(static_cast<float>(image.width) / scale);
   const int h = static_cast<int>(static_cast<float>(image.height) / scale);
-  scale_ = scale;
-  width_ = (w + 2 * kMargin + 1) & ~1;
-  height_ = h + 2 * kMargin;
-  const int size = width_ * height_;
+  const int width = (w + 2 * kMargin + 1) & ~1, height = h + 2 * kMargin, size = width * height;
   if (!(scale >= 1) || static_cast<std::size_t>(size) > room_ ||
-      static_cast<std::size_t>(width_ + 2) > highest_.size())
+      static_cast<std::size_t>(width + 2) > highest_.size())
     return false;
+  scale_ = scale;
+  width_ = width;
+  height_ = height;
   read_colors(image, w, h);
   std::fill_n(edges_.begin(), kDirections * size, std::uint8_t{kBeyond});
   std::fill_n(edges_.begin() + kCalm * size, size, std::uint8_t{kMost - kBeyond});

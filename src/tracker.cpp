@@ -150,7 +150,6 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
     return seen && look_at(anew, false);
   };
   const auto look_at_outline = [&](bool anew) {
-    t.colorless = true;
     return clock.time(times.segmentation_ms, [&] { return t.follow_outline(); }) && identify(anew);
   };
   const auto search = [&] {
@@ -178,11 +177,9 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
     return seen;
   };
   bool seen = false;
-  t.colorless = false;
   if (t.state == State::acquiring && search()) seen = look_anew();
   if (!seen && t.following) seen = look(false) || look_at_outline(false);
   if (!seen && (t.state == State::searching || t.state == State::lost)) {
-    t.colorless = false;
     if (search()) {
       seen = look_anew();
     } else if (clock.time(times.segmentation_ms, [&] { return t.find_own_outline(); })) {

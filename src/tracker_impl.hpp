@@ -43,6 +43,7 @@ struct HandTracker::Impl {
   bool segment(bool where_expected) noexcept;
   bool follow_outline() noexcept;
   bool trace(const Component* hand) noexcept;
+  bool trace(const Mask& mask) noexcept;
   bool find_fingertips() noexcept;
   bool match(bool anew) noexcept;
   void measure_tips(TrackResult& result) noexcept;
@@ -111,7 +112,7 @@ struct HandTracker::Impl {
   double tracked_s = -std::numeric_limits<double>::infinity();  // when it was last tracked
   double five_tips_s = 0;                                       // when all five tips were last seen
   int seen_frames = 0;
-  bool colorless = false;        // the outline alone shows the hand in this frame
+  bool colorless = false;        // `region` is the silhouette of an outline
   double colored_s = 0;          // when it was last seen by its colours
   double relief_evidence = 0;    // log odds that heights are the model's, not mirrored
   float acquired_deviation = 1;  // of the search's best view of the hand that is being acquired

@@ -71,9 +71,8 @@ bool HandTracker::Impl::adopt_found(const ImageView& frame) noexcept {
   const int step = seen.step_px;
   read_bins(frame, {seen.x0_px, seen.y0_px, seen.width * step, seen.height * step}, step, bins);
   before = expected = to_mask(shape);
-  region.classify(search.mask());
-  region.components(least_area());
-  return trace(region.component_at(int(before.palm().x()), int(before.palm().y())));
+  colorless = false;
+  return trace(search.mask());
 }
 
 }  // namespace handyar

@@ -43,6 +43,7 @@ bool HandTracker::Impl::segment(bool where_expected) noexcept {
   const Component* hand =
       region.segment(bins, skin.ratios(), where_expected ? expectation : anywhere, expected.palm(),
                      expected.finger_width, least_area());
+  colorless = false;
   return trace(hand);
 }
 
@@ -55,15 +56,21 @@ bool HandTracker::Impl::follow_outline() noexcept {
   before = expected = hand;
   silhouette.resize(bins.width, bins.height);
   draw_silhouette(hand, silhouette);
-  region.classify(silhouette);
-  region.components(least_area());
-  return trace(region.component_at(int(hand.palm().x()), int(hand.palm().y())));
+  colorless = true;
+  return trace(silhouette);
 }
 
 bool HandTracker::Impl::trace(const Component* hand) noexcept {
   if (hand == nullptr) return false;
   component = *hand;
   return contour.trace(region.mask(), component);
+}
+
+/// A mask that was made elsewhere: what it holds where the hand is expected.
+bool HandTracker::Impl::trace(const Mask& mask) noexcept {
+  region.classify(mask);
+  region.components(least_area());
+  return trace(region.component_at(int(expected.palm().x()), int(expected.palm().y())));
 }
 
 /// Places where the contour turns as sharply as a fingertip (paper 2.2).

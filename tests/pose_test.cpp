@@ -409,6 +409,7 @@ TEST(Spread, WithoutValleysTheHandIsTakenAsRigid) {
   ASSERT_TRUE(with && without && rigid);
   for (double spread : without->spread_rad) EXPECT_EQ(spread, 0.0);
   EXPECT_EQ(rigid->points_used, kFingerCount);
+  EXPECT_EQ(without->points_used, kFingerCount + kValleyCount);
   EXPECT_EQ(with->points_used, kFingerCount + kValleyCount);
 }
 

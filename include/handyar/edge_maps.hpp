@@ -46,10 +46,7 @@ class EdgeMaps {
   /// 0 to kMost: how much of an edge across `normal` is at a point of the maps.
   int edge_at(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) const noexcept;
 
-  /// Pixels of the image for pixels of the maps, and the other way round; for affine maps too.
-  Eigen::Vector2f to_image(const Eigen::Vector2f& p) const noexcept {
-    return scale_ * p + Eigen::Vector2f::Constant(image_offset());
-  }
+  /// An affine map into the image for one into the maps, and the other way round.
   Eigen::Matrix<float, 2, 3> to_image(Eigen::Matrix<float, 2, 3> map) const noexcept {
     map *= scale_;
     map.col(2).array() += image_offset();

@@ -34,7 +34,7 @@ struct PoseConfig {
   double valley_wander_m = 0.020;  ///< and by how much more where the hand is seen edge on
   double valley_stretch = 5;       ///< times as far along the fingers: valleys are narrow, what
                                    ///< moves their sides a little moves their ends by more
-  double average_valley_sigma_m = 0.004;  ///< and where they were not measured, each way
+  double average_valley_sigma_m = 0.004;  ///< of valleys that were not measured
   double relief_sigma_m = 0.001;  ///< height of each point over the hand plane against the model's
   double huber = 1.0;             ///< points more standard deviations off than this weigh less
 };

@@ -12,7 +12,8 @@
 
 namespace handyar::evaluation {
 
-/// Method name of the ellipse's tips with the paper's pose, a rigid body of tips (PoseMethod::tips).
+/// Method name of the ellipse's tips with the paper's pose, a rigid body of tips
+/// (PoseMethod::tips).
 inline constexpr const char* kRigidTips = "ellipse, rigid tips";
 
 /// What the tracker gave with one setting, frame by frame.
