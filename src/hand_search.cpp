@@ -22,7 +22,7 @@ std::int8_t clamp8(double x) { return static_cast<std::int8_t>(std::clamp(x, -12
 
 // Bounds that a hand of five spread fingers keeps with a wide margin; they spare most regions a
 // closer look. Lobed: the squared length of the boundary over that of a disc of the same area.
-constexpr float kLeastLobed = 4, kMostLobed = 45;
+constexpr float kLeastLobed = 3, kMostLobed = 45;
 constexpr float kLeastPalm = 6.7f;  // pixels: fingers of three, as thin as remove_thin(1) leaves
 
 bool may_be_hand(const Component& c, const Contour& contour) {
@@ -103,7 +103,7 @@ void HandSearch::reserve(int max_pixels, int max_side) {
   around_.bins.resize(max_pixels);
   outlines_.reserve(max_pixels, max_side);
   expectation_.ratios.resize(max_pixels / 4 + max_side);
-  contour_.reserve(1 << 13);
+  contour_.reserve(1 << 12);
   seen_bins_.reserve(kBinCount);
 }
 
@@ -270,13 +270,6 @@ void HandSearch::draw_masks(const BinImage& image, int count) noexcept {
     }
 }
 
-std::span<const Component> HandSearch::components_of(int mask) noexcept {
-  region_.classify(masks_[mask]);
-  region_.remove_thin(1);
-  const int pixels = masks_[mask].width * masks_[mask].height;
-  return region_.components(static_cast<int>(config_.min_area_share * pixels));
-}
-
 bool HandSearch::try_region(float palm_radius, HandShape& best) noexcept {
   curvature_.find(contour_, palm_radius);
   HandShape shape;
@@ -288,10 +281,12 @@ bool HandSearch::try_region(float palm_radius, HandShape& best) noexcept {
   return true;
 }
 
-bool HandSearch::try_mask(int mask, HandShape& best) noexcept {
-  const int pixels = masks_[mask].width * masks_[mask].height;
+/// Looks at the regions of what was classified; true when one is more like a hand than `best`.
+bool HandSearch::try_regions(HandShape& best) noexcept {
+  region_.remove_thin(1);
+  const int pixels = region_.mask().width * region_.mask().height;
   const Component* winner = nullptr;
-  for (const Component& c : components_of(mask)) {
+  for (const Component& c : region_.components(static_cast<int>(config_.min_area_share * pixels))) {
     if (c.area > 0.7 * pixels || !contour_.trace(region_.mask(), c) || !may_be_hand(c, contour_))
       continue;
     const Disc disc = region_.deepest(c);
@@ -348,12 +343,17 @@ bool HandSearch::try_proposal(const BinImage& image, const HandShape& proposal,
 }
 
 bool HandSearch::find(const BinImage& image, const SkinModel& skin, HandShape& shape) noexcept {
+  shape.deviation = static_cast<float>(shape_config_.max_deviation);
+  found_image_ = &image;
+  region_.classify(image, skin.ratios(), anywhere_);
+  found_by_skin_ = try_regions(shape);
+  if (shape.deviation < shape_config_.sure_deviation) return true;
+
   read_scene(image, skin);
   list_readings(image);
   // What was learned comes first in every frame; the other readings take turns.
   std::array<Reading, kMaxAtOnce> now;
   int learned = 0;
-  now[learned++] = {&skin.ratios(), 0};
   if (skin.has_learned()) {
     read_known(image, skin);
     for (const int t : {0, 6, 12}) now[learned++] = {&known_, t};
@@ -364,19 +364,20 @@ bool HandSearch::find(const BinImage& image, const SkinModel& skin, HandShape& s
   next_ = (next_ + turns) % reading_count_;
   mark_bins(image, {now.data(), static_cast<std::size_t>(learned + turns)});
   draw_masks(image, learned + turns);
-  for (int k = 1; k < learned; ++k) majority(masks_[k], scratch_mask_);
+  for (int k = 0; k < learned; ++k) majority(masks_[k], scratch_mask_);
 
-  shape.deviation = static_cast<float>(shape_config_.max_deviation);
-  int winner = -1;
-  for (int k = 0; k < learned + turns; ++k)
-    if (try_mask(k, shape)) winner = k;
-  found_by_skin_ = winner >= 0 && winner < learned;
-  found_image_ = &image;
+  bool found = found_by_skin_;
+  for (int k = 0; k < learned + turns; ++k) {
+    region_.classify(masks_[k]);
+    if (!try_regions(shape)) continue;
+    found = true;
+    found_by_skin_ = k < learned;
+  }
   if (shape.deviation < shape_config_.sure_deviation) return true;
   const HandShape* proposed = nullptr;
   for (const HandShape& proposal : outlines_.find(image))
     if (try_proposal(image, proposal, shape)) proposed = &proposal;
-  if (proposed == nullptr) return winner >= 0;
+  if (proposed == nullptr) return found;
   found_by_skin_ = false;
   read_around(image, *proposed);
   found_image_ = &around_;

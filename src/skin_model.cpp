@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 
 #include "vectorised.hpp"
 
@@ -16,8 +17,8 @@ constexpr std::uint8_t kPriorTable[2 * kBinCount] = {
 };
 
 constexpr float kMinProbability = 1e-7f;  // below this a bin says nothing: too few pixels ever seen
-constexpr int kPersonalPasses = 4;     // of smoothing: a standard deviation of 1.4 bins a channel
-constexpr float kGeneralShare = 0.6f;  // of the general prior in a bare hand's personal one
+constexpr int kPersonalTimes = 4;         // smoothed: a standard deviation of 1.4 bins a channel
+constexpr float kGeneralShare = 0.6f;     // of the general prior in a bare hand's personal one
 
 /// A personal prior in the form of the prior's table. As far as the colours are skin in general, a
 /// part is left to the general prior: its wide flanks hold the shadows and edges of a bare hand,
@@ -29,14 +30,11 @@ std::vector<std::uint8_t> prior_of(const SkinColors& colors) {
     share[e.bin] += e.share;
     if (kPriorTable[e.bin] < kPriorTable[kBinCount + e.bin]) skin += e.share;
   }
-  for (int pass = 0; pass < kPersonalPasses; ++pass) {
-    smooth_histogram(share, smooth);
-    share.swap(smooth);
-  }
+  smooth_histogram(share, smooth, kPersonalTimes);
   const float general = kGeneralShare * std::clamp(skin, 0.0f, 1.0f);
   std::vector<std::uint8_t> table(kBinCount);
   for (int i = 0; i < kBinCount; ++i) {
-    const float p = (1 - general) * share[i] + general * std::exp(-kPriorTable[i] / 8.0f);
+    const float p = (1 - general) * smooth[i] + general * std::exp(-kPriorTable[i] / 8.0f);
     const float minus_log = -8 * std::log(std::max(p, kMinProbability));
     table[i] = static_cast<std::uint8_t>(std::clamp(minus_log + 0.5f, 0.0f, 255.0f));
   }
@@ -77,49 +75,86 @@ HANDYAR_VECTORISED void mix_row(const RowShares& hand, const RowShares& backgrou
   }
 }
 
+/// Smoothing of a channel: how much of each level every level gets. Between `begin` and `end`; what
+/// would fall outside is mirrored. Coarse levels of chroma are wide enough as they are.
+struct Smoothing {
+  using Weights = std::array<float, kBinLevels>;
+  std::array<Weights, kBinLevels> of{};
+  int reach;
+
+  /// Binomial weights: `times` times 1 2 1.
+  Smoothing(int times, int begin, int end) : reach(std::clamp(times, 0, end - begin)) {
+    std::array<float, 2 * kBinLevels + 2> binomial{};
+    binomial[0] = 1;  // of the distance; twice `reach` steps of a half to either side
+    for (int time = 0; time < reach; ++time) {
+      float before = binomial[1];
+      for (int d = 0; d <= time + 1; ++d) {
+        const float at = binomial[d];
+        binomial[d] = 0.25f * before + 0.5f * at + 0.25f * binomial[d + 1];
+        before = at;
+      }
+    }
+    for (int k = 0; k < kBinLevels; ++k) of[k][k] = 1;
+    for (int k = begin; k < end; ++k)
+      for (int i = std::max(k - reach, begin); i < std::min(k + reach + 1, end); ++i)
+        of[k][i] = binomial[std::abs(k - i)] + binomial[k + i + 1 - 2 * begin] +
+                   binomial[2 * end - 1 - k - i];
+  }
+};
+
+HANDYAR_VECTORISED void smooth_row(const Smoothing& smoothing, const float* row,
+                                   float* __restrict out) {
+  std::array<float, kBinLevels> sum{};
+  for (int k = 0; k < kBinLevels; ++k) {
+    if (row[k] == 0) continue;
+    for (int i = 0; i < kBinLevels; ++i) sum[i] += row[k] * smoothing.of[k][i];
+  }
+  std::ranges::copy(sum, out);
+}
+
+/// In place, of the rows first, first + stride, ...: one for each level of a channel.
+HANDYAR_VECTORISED void smooth_across(const Smoothing& smoothing, int first, int stride,
+                                      std::span<float> rows, BinRows& filled) {
+  std::array<std::array<float, kBinLevels>, kBinLevels> before;
+  std::array<bool, kBinLevels> held;
+  bool any = false;
+  for (int k = 0; k < kBinLevels; ++k) {
+    held[k] = filled[first + k * stride];
+    if (held[k])
+      std::copy_n(rows.data() + (first + k * stride) * kBinLevels, kBinLevels, before[k].data());
+    any |= held[k];
+  }
+  if (!any) return;
+  for (int k = 0; k < kBinLevels; ++k) {
+    std::array<float, kBinLevels> sum{};
+    bool reached = false;
+    const int end = std::min(k + smoothing.reach + 1, kBinLevels);
+    for (int from = std::max(k - smoothing.reach, 0); from < end; ++from) {
+      const float weight = smoothing.of[k][from];
+      if (!held[from] || weight == 0) continue;
+      for (int i = 0; i < kBinLevels; ++i) sum[i] += weight * before[from][i];
+      reached = true;
+    }
+    if (!reached) continue;
+    filled[first + k * stride] = true;
+    std::ranges::copy(sum, rows.data() + (first + k * stride) * kBinLevels);
+  }
+}
+
 }  // namespace
 
-BinRows smooth_histogram(std::span<const float> count, std::span<float> out) noexcept {
-  using Row = std::array<float, kBinLevels>;
-  constexpr int kRows = kBinCount / kBinLevels;
+BinRows smooth_histogram(std::span<const float> count, std::span<float> out, int times) noexcept {
+  const Smoothing luma(times, 0, kBinLevels), chroma(times, kFineChroma, kCoarseChroma);
   BinRows filled;
-  // Channel by channel; the outermost levels keep what would fall outside. Coarse levels of chroma
-  // are wide enough.
-  for (int r = 0; r < kRows; ++r) {
-    const float* p = count.data() + r * kBinLevels;
-    float* q = out.data() + r * kBinLevels;
+  for (std::size_t r = 0; r < filled.size(); ++r) {
+    const float* row = count.data() + r * kBinLevels;
     std::uint32_t any = 0;  // of the bits: counts are never negative, and this is vectorised
-    for (int k = 0; k < kBinLevels; ++k) any |= std::bit_cast<std::uint32_t>(p[k]);
+    for (int k = 0; k < kBinLevels; ++k) any |= std::bit_cast<std::uint32_t>(row[k]);
     filled[r] = any != 0;
-    std::copy_n(p, kBinLevels, q);
-    if (!filled[r]) continue;
-    constexpr int kFirst = kFineChroma, kLast = kCoarseChroma - 1;
-    q[kFirst] = 0.25f * p[kFirst] + 0.5f * p[kFirst] + 0.25f * p[kFirst + 1];
-    for (int k = kFirst + 1; k < kLast; ++k)
-      q[k] = 0.25f * p[k - 1] + 0.5f * p[k] + 0.25f * p[k + 1];
-    q[kLast] = 0.25f * p[kLast - 1] + 0.5f * p[kLast] + 0.25f * p[kLast];
+    if (filled[r]) smooth_row(chroma, row, out.data() + r * kBinLevels);
   }
-  // In place: of the rows along a channel, the one below as it was is kept aside.
-  const auto along = [&](int first, int stride, int levels) {
-    Row below, at;
-    bool below_filled = filled[first];
-    std::copy_n(out.data() + first * kBinLevels, kBinLevels, below.data());
-    for (int level = 0, r = first; level < levels; ++level, r += stride) {
-      const int above = level < levels - 1 ? r + stride : r;
-      const bool at_filled = filled[r];
-      if (!below_filled && !at_filled && !filled[above]) continue;  // `below` is empty too
-      float* q = out.data() + r * kBinLevels;
-      std::copy_n(q, kBinLevels, at.data());
-      const float* p = above == r ? at.data() : out.data() + above * kBinLevels;
-      for (int k = 0; k < kBinLevels; ++k) q[k] = 0.25f * below[k] + 0.5f * at[k] + 0.25f * p[k];
-      filled[r] = true;
-      below = at;
-      below_filled = at_filled;
-    }
-  };
-  for (int a = 0; a < kBinLevels; ++a)
-    along(a * kBinLevels + kFineChroma, 1, kCoarseChroma - kFineChroma);
-  for (int b = 0; b < kBinLevels; ++b) along(b, kBinLevels, kBinLevels);
+  for (int a = 0; a < kBinLevels; ++a) smooth_across(chroma, a * kBinLevels, 1, out, filled);
+  for (int b = 0; b < kBinLevels; ++b) smooth_across(luma, b, kBinLevels, out, filled);
   return filled;
 }
 
@@ -128,7 +163,8 @@ SkinModel::SkinModel(const SkinModelConfig& config)
   for (Histogram* h : {&learned_.hand_, &learned_.background_}) h->count.resize(kBinCount);
   if (!config.personal.empty()) personal_ = prior_of(config.personal);
   for (int i = 0; i < 256; ++i) probability_[i] = std::exp(-i / 8.0f);
-  reset();
+  rebuild();
+  prior_ratios_ = learned_.ratios_;
 }
 
 std::span<const std::uint8_t> SkinModel::prior_skin() const noexcept {
@@ -146,8 +182,8 @@ void SkinModel::reset() noexcept {
     h->total = 0;
   }
   learned_.frames_ = learned_.widening_ = 0;
-  hand_prior_ = background_prior_ = 0;
-  rebuild();
+  learned_.ratios_ = prior_ratios_;
+  learned_.version_ = ++version_;
 }
 
 void SkinModel::forget_background() noexcept {
@@ -197,21 +233,19 @@ void SkinModel::rebuild() noexcept {
     BinRows rows{};
     float scale = 0, prior = 1;
   };
-  const auto smooth = [&](const Histogram& h, double prior_weight, std::vector<float>& out) {
+  const auto smooth = [&](const Histogram& h, double prior_weight, int times,
+                          std::vector<float>& out) {
     Part part;
     if (h.total < 1) return part;
-    part.rows = smooth_histogram(h.count, out);
+    part.rows = smooth_histogram(h.count, out, times);
     part.prior = static_cast<float>(prior_weight);
     part.scale = (1 - part.prior) / h.total;
     return part;
   };
-  Part hand = smooth(learned_.hand_, config_.hand_prior_weight, hand_smooth_);
-  for (int k = 0; k < learned_.widening_; ++k) {
-    hand_smooth_.swap(background_smooth_);  // which comes after
-    hand.rows = smooth_histogram(background_smooth_, hand_smooth_);
-  }
+  const Part hand =
+      smooth(learned_.hand_, config_.hand_prior_weight, 1 + learned_.widening_, hand_smooth_);
   const Part background =
-      smooth(learned_.background_, config_.background_prior_weight, background_smooth_);
+      smooth(learned_.background_, config_.background_prior_weight, 1, background_smooth_);
   const auto mix = [&](int row, const float* hand_count, const float* background_count,
                        Ratios& ratios) {
     const int first = row * kBinLevels;

@@ -27,13 +27,14 @@ struct HandSearchConfig {
 };
 
 /// Finds a hand without knowing its colour (paper 2.1 and 2.2, but by shape rather than by one
-/// threshold). Every reading of the frame's colours proposes regions: the skin model, the learned
-/// hand against this scene's own colours, the prior, the prior against the scene, brightness,
-/// redness and blueness, each cut at several thresholds, and the colours of patches of the frame
-/// against the whole frame. Where the picture's edges look like a hand's outline, the colours there
-/// against those around propose regions too: a hand half in the sun has no colour of its own. The
-/// region whose contour is most like a hand wins. What was learned is read in every frame, the
-/// other readings and the directions of outlines take turns.
+/// threshold). The first look is the paper's: what the skin model takes for skin. Unless that is
+/// surely a hand, every reading of the frame's colours proposes regions: the learned hand against
+/// this scene's own colours, the prior, the prior against the scene, brightness, redness and
+/// blueness, each cut at several thresholds, and the colours of patches of the frame against the
+/// whole frame. Where the picture's edges look like a hand's outline, the colours there against
+/// those around propose regions too: a hand half in the sun has no colour of its own. The region
+/// whose contour is most like a hand wins. What was learned is read in every frame, the other
+/// readings and the directions of outlines take turns.
 class HandSearch {
  public:
   HandSearch(const HandSearchConfig& config, const FingertipConfig& fingertips,
@@ -58,7 +59,7 @@ class HandSearch {
 
  private:
   using Channel = std::array<std::int8_t, kBinCount>;
-  static constexpr int kMaxLearned = 4;  ///< readings of what was learned
+  static constexpr int kMaxLearned = 3;  ///< readings of what was learned
   static constexpr int kMaxAtOnce = 32;  ///< readings: a bit each
   struct Reading {
     const Channel* channel = nullptr;
@@ -73,9 +74,8 @@ class HandSearch {
   void read_patch(const BinImage& image, int patch) noexcept;
   void mark_bins(const BinImage& image, std::span<const Reading> readings) noexcept;
   void draw_masks(const BinImage& image, int count) noexcept;
-  std::span<const Component> components_of(int mask) noexcept;
   bool try_region(float palm_radius, HandShape& best) noexcept;
-  bool try_mask(int mask, HandShape& best) noexcept;
+  bool try_regions(HandShape& best) noexcept;
   void read_around(const BinImage& image, const HandShape& hand) noexcept;
   bool try_proposal(const BinImage& image, const HandShape& proposal, HandShape& best) noexcept;
 

@@ -101,6 +101,7 @@ class SkinModel {
   SkinModelConfig config_;
   std::vector<std::uint8_t> personal_;    // a table like the prior's; empty: none
   std::array<float, 256> probability_{};  // of entries of such tables
+  Ratios prior_ratios_{};                 // before anything was learned
   Ratios unseen_{};  // of colours that were seen neither on the hand nor around it
   float hand_prior_ = 0, background_prior_ = 0;  // weights for which it was made
   std::vector<float> hand_smooth_, background_smooth_;
@@ -112,9 +113,10 @@ class SkinModel {
 /// colours: most rows are empty.
 using BinRows = std::array<bool, kBinCount / kBinLevels>;
 
-/// Spreads each bin's count over its neighbours (binomial 1 2 1 along each channel), so that few
-/// samples stand for the colours around them. Both have kBinCount entries. Returns which rows of
-/// `out` are not empty.
-BinRows smooth_histogram(std::span<const float> count, std::span<float> out) noexcept;
+/// Spreads each bin's count over its neighbours (`times` times binomial, 1 2 1, along each
+/// channel), so that few samples stand for the colours around them. Both have kBinCount entries.
+/// Returns which rows of `out` were written, the others are empty.
+BinRows smooth_histogram(std::span<const float> count, std::span<float> out,
+                         int times = 1) noexcept;
 
 }  // namespace handyar
