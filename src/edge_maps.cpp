@@ -36,8 +36,7 @@ void EdgeMaps::reserve(int max_pixels, int max_side, float least_scale) {
                                    4 * (kMargin + 1) *
                                        (static_cast<float>(max_side) / least_scale + kMargin + 1));
   colors_.resize(3 * room_);
-  edges_.resize(kMaps * room_);
-  maps_.resize(kMaps * room_ + 2 * kBlock);  // whole blocks are read
+  maps_.resize((kMaps + 1) * room_ + 2 * kBlock);  // whole blocks are read
   highest_.resize(max_side + 4 * kMargin);
 }
 
@@ -97,12 +96,13 @@ bool EdgeMaps::read(const BinImage& image, float scale) noexcept {
   width_ = width;
   height_ = height;
   read_colors(image, w, h);
-  std::fill_n(edges_.begin(), kDirections * size, std::uint8_t{kBeyond});
-  std::fill_n(edges_.begin() + kCalm * size, size, std::uint8_t{kMost - kBeyond});
+  std::uint8_t* const edges = maps_.data() + size;  // of each map where the next will be
+  std::fill_n(edges, kDirections * size, std::uint8_t{kBeyond});
+  std::fill_n(edges + kCalm * size, size, std::uint8_t{kMost - kBeyond});
   for (int v = 0; v < h; ++v) {
     const int row = (v + kMargin) * width_ + kMargin;
     for (int m = 0; m < kDirections; ++m)
-      std::fill_n(edges_.begin() + m * size + row, w, std::uint8_t{0});
+      std::fill_n(edges + m * size + row, w, std::uint8_t{0});
     if (v == 0 || v + 1 == h) continue;
     const std::uint8_t* p = colors_.data() + 3 * v * w;
     for (int u = 1; u + 1 < w; ++u) {
@@ -116,7 +116,7 @@ bool EdgeMaps::read(const BinImage& image, float scale) noexcept {
         gy = dy;
       }
       const Edge e = edge(gx, gy);
-      std::uint8_t* to = edges_.data() + row + u;
+      std::uint8_t* to = edges + row + u;
       to[e.direction * size] = e.strength;
       to[(e.direction + 1) % kDirections * size] = e.next_strength;
       to[kCalm * size] = e.calm;
@@ -129,7 +129,7 @@ bool EdgeMaps::read(const BinImage& image, float scale) noexcept {
 /// Edges reach one pixel further on every side, for hands differ; columns are sorted.
 void EdgeMaps::spread(int map) noexcept {
   const int w = width_;
-  const std::uint8_t* from = edges_.data() + map * w * height_;
+  const std::uint8_t* from = maps_.data() + (map + 1) * w * height_;
   std::uint8_t* __restrict even = maps_.data() + offset(map, 0, 0);
   std::uint8_t* __restrict odd = maps_.data() + offset(map, 1, 0);
   std::uint8_t* __restrict high = highest_.data() + 1;

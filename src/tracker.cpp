@@ -9,6 +9,11 @@
 #include "tracker_impl.hpp"
 
 namespace handyar {
+namespace {
+
+constexpr int kMaxContour = 1 << 13;  // points; no hand has more
+
+}  // namespace
 
 std::string_view name(State state) noexcept {
   switch (state) {
@@ -44,15 +49,16 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
   width_px = frame.width_px;
   height_px = frame.height_px;
   camera = calibrated_camera.scaled_to(width_px, height_px);
-  const int pixels = width_px * height_px;
-  bins.bins.resize(pixels);
-  region.reserve(pixels, std::max(width_px, height_px));
-  expectation.ratios.resize((width_px / 2 + 1) * (height_px / 2 + 1));  // cells of 2 or more
-  const int step = search_step();
-  search.reserve((width_px / step) * (height_px / step), std::max(width_px, height_px) / step);
-  silhouette.reserve(pixels, std::max(width_px, height_px));
-  contour.reserve(1 << 14);
-  contour_px.resize(1 << 14);
+  const int longer_px = std::max(width_px, height_px), step = tracking_step();
+  const int width = width_px / step, height = height_px / step, longer = longer_px / step;
+  bins.bins.resize(width * height);
+  region.reserve(width * height, longer);
+  expectation.ratios.resize((width / 2 + 1) * (height / 2 + 1));  // cells of 2 or more
+  silhouette.reserve(width * height, longer);
+  const int coarse = search_step();  // at least as large
+  search.reserve((width_px / coarse) * (height_px / coarse), longer_px / coarse);
+  contour.reserve(kMaxContour);
+  contour_px.resize(kMaxContour);
   forget();
 }
 

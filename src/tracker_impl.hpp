@@ -54,6 +54,13 @@ struct HandTracker::Impl {
   bool may_go_by_outline() const noexcept {
     return own_shape.is_known() && time_s - colored_s < config.acquisition.max_colorless_s;
   }
+  /// Input pixels a mask's pixel, each way, around a hand that is followed.
+  int tracking_step() const noexcept {
+    const int enough_px = 900;  // along the longer side: finer than that costs and gains little
+    const int step = std::max(1, std::max(width_px, height_px) / enough_px);
+    return config.half_resolution ? 2 * step : step;
+  }
+  /// The same for whole frames.
   int search_step() const noexcept {
     const int longer = std::max(width_px, height_px);
     return std::max(2, (longer + config.search.longer_side / 2) / config.search.longer_side);

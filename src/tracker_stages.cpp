@@ -27,9 +27,7 @@ PixelRect HandTracker::Impl::region_of_interest(double dt_s) const noexcept {
 /// was and as it is expected to be now.
 bool HandTracker::Impl::read_neighbourhood(const ImageView& frame) noexcept {
   const double dt = state == State::searching ? 0.0 : std::min(time_s - seen_s, 0.1);
-  const int enough_px = 900;  // along the longer side: finer than that costs and gains little
-  const int step = std::max(1, std::max(width_px, height_px) / enough_px);
-  read_bins(frame, region_of_interest(dt), config.half_resolution ? 2 * step : step, bins);
+  read_bins(frame, region_of_interest(dt), tracking_step(), bins);
   before = to_mask(shape);
   expected = before.transformed(
       1, static_cast<float>(dt) / static_cast<float>(bins.step_px) * velocity_px_s);

@@ -74,7 +74,6 @@ class EdgeMaps {
   std::size_t room_ = 0;  // pixels
   std::vector<Edge> edge_table_;
   std::vector<std::uint8_t> colors_;  // three channels of the reduced image
-  std::vector<std::uint8_t> edges_;   // the maps before edges are spread
   std::vector<std::uint8_t> maps_;
   std::vector<std::uint8_t> highest_;
 };
