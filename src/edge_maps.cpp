@@ -101,8 +101,7 @@ bool EdgeMaps::read(const BinImage& image, float scale) noexcept {
   std::fill_n(edges + kCalm * size, size, std::uint8_t{kMost - kBeyond});
   for (int v = 0; v < h; ++v) {
     const int row = (v + kMargin) * width_ + kMargin;
-    for (int m = 0; m < kDirections; ++m)
-      std::fill_n(edges + m * size + row, w, std::uint8_t{0});
+    for (int m = 0; m < kDirections; ++m) std::fill_n(edges + m * size + row, w, std::uint8_t{0});
     if (v == 0 || v + 1 == h) continue;
     const std::uint8_t* p = colors_.data() + 3 * v * w;
     for (int u = 1; u + 1 < w; ++u) {

@@ -117,23 +117,28 @@ Eigen::AlignedBox2f HandShape::bounds() const noexcept {
   return box;
 }
 
-bool HandShape::may_hold(const Eigen::Vector2f& p) const noexcept {
-  const Eigen::Matrix2f linear = image_hand.leftCols<2>();
-  const float det = linear(0, 0) * linear(1, 1) - linear(0, 1) * linear(1, 0);
-  const Eigen::Vector2f d = p - image_hand.col(2);
-  const Eigen::Vector2f p_hand_m((linear(1, 1) * d.x() - linear(0, 1) * d.y()) / det,
-                                 (linear(0, 0) * d.y() - linear(1, 0) * d.x()) / det);
-  constexpr float kForearmTop_m = -0.04f, kForearmHalfWidth_m = 0.075f;
-  if (p_hand_m.y() < kForearmTop_m && std::abs(p_hand_m.x()) < kForearmHalfWidth_m) return true;
-  const float palm_reach_m = 1.45f * kPalmRadius_m;
-  if ((p_hand_m - in_layout(kPalmCenter, layout)).squaredNorm() < palm_reach_m * palm_reach_m)
-    return true;
+HandReach::HandReach(const HandShape& shape) noexcept
+    : palm_m_(in_layout(kPalmCenter, shape.layout)),
+      finger_width2_(shape.finger_width * shape.finger_width) {
+  const Eigen::Matrix2f linear = shape.image_hand.leftCols<2>().inverse();
+  hand_image_ << linear, -linear * shape.image_hand.col(2);
   for (int f = 0; f < kFingerCount; ++f) {
-    const Eigen::Vector2f from = finger_base(f), along = tips[f] - from;
-    const float s = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0f, 1.0f);
-    if ((p - from - s * along).squaredNorm() < finger_width * finger_width) return true;
+    const Eigen::Vector2f base = shape.finger_base(f), along = shape.tips[f] - base;
+    fingers_[f] = {base, along, 1 / along.squaredNorm()};
   }
-  return false;
+}
+
+bool HandReach::holds(const Eigen::Vector2f& p) const noexcept {
+  constexpr float kForearmTop_m = -0.04f, kForearmHalfWidth_m = 0.075f;
+  constexpr float kPalmReach_m = 1.45f * kPalmRadius_m;
+  const Eigen::Vector2f p_m = hand_image_.leftCols<2>() * p + hand_image_.col(2);
+  if (p_m.y() < kForearmTop_m && std::abs(p_m.x()) < kForearmHalfWidth_m) return true;
+  if ((p_m - palm_m_).squaredNorm() < kPalmReach_m * kPalmReach_m) return true;
+  return std::ranges::any_of(fingers_, [&](const Axis& finger) {
+    const Eigen::Vector2f d = p - finger.base;
+    const float s = std::clamp(d.dot(finger.along) * finger.per_length2, 0.0f, 1.0f);
+    return (d - s * finger.along).squaredNorm() < finger_width2_;
+  });
 }
 
 void HandShape::expect(int width, int height, ExpectedRegion& region) const noexcept {

@@ -165,7 +165,7 @@ std::optional<FittedPose> refine(const PosePoints& points, const Camera& camera,
     }
     T = next;
     damping = std::max(1e-9, damping * 0.1);
-    if (gain < 1e-8) break;
+    if (gain < 1e-5) break;
   }
   return fit_at(points, camera, huber, T);
 }

@@ -75,69 +75,91 @@ HANDYAR_VECTORISED void mix_row(const RowShares& hand, const RowShares& backgrou
   }
 }
 
-/// Smoothing of a channel: how much of each level every level gets. Between `begin` and `end`; what
-/// would fall outside is mirrored. Coarse levels of chroma are wide enough as they are.
-struct Smoothing {
-  using Weights = std::array<float, kBinLevels>;
-  std::array<Weights, kBinLevels> of{};
-  int reach;
+/// Whether a row of counts holds any: they are never negative, and their bits are soon read.
+[[gnu::always_inline]] inline bool any_of(const float* row) {
+  std::uint32_t bits = 0;
+  for (int k = 0; k < kBinLevels; ++k) bits |= std::bit_cast<std::uint32_t>(row[k]);
+  return bits != 0;
+}
 
-  /// Binomial weights: `times` times 1 2 1.
-  Smoothing(int times, int begin, int end) : reach(std::clamp(times, 0, end - begin)) {
-    std::array<float, 2 * kBinLevels + 2> binomial{};
-    binomial[0] = 1;  // of the distance; twice `reach` steps of a half to either side
+/// Most rows are empty and only read.
+HANDYAR_VECTORISED void decay(std::span<float> count, float keep) {
+  constexpr float kForgotten = 1e-4f;  // of a sample
+  for (float* row = count.data(); row < count.data() + count.size(); row += kBinLevels) {
+    if (!any_of(row)) continue;
+    for (int k = 0; k < kBinLevels; ++k) row[k] = row[k] * keep < kForgotten ? 0.0f : row[k] * keep;
+  }
+}
+
+/// Smoothing of a channel from level `begin` to before `end`: binomial weights of levels so far
+/// apart. What would fall outside is mirrored.
+struct Smoothing {
+  static constexpr int kMostReach = 15;  // less than a channel's levels
+  int begin, end, reach;
+  std::array<float, kBinLevels + 2> weight{};
+
+  Smoothing(int times, int first, int last)
+      : begin(first), end(last), reach(std::clamp(times, 0, kMostReach)) {
+    weight[0] = 1;
     for (int time = 0; time < reach; ++time) {
-      float before = binomial[1];
-      for (int d = 0; d <= time + 1; ++d) {
-        const float at = binomial[d];
-        binomial[d] = 0.25f * before + 0.5f * at + 0.25f * binomial[d + 1];
+      float before = weight[1];
+      for (int apart = 0; apart <= time + 1; ++apart) {
+        const float at = weight[apart];
+        weight[apart] = 0.25f * before + 0.5f * at + 0.25f * weight[apart + 1];
         before = at;
       }
     }
-    for (int k = 0; k < kBinLevels; ++k) of[k][k] = 1;
-    for (int k = begin; k < end; ++k)
-      for (int i = std::max(k - reach, begin); i < std::min(k + reach + 1, end); ++i)
-        of[k][i] = binomial[std::abs(k - i)] + binomial[k + i + 1 - 2 * begin] +
-                   binomial[2 * end - 1 - k - i];
+  }
+  int mirrored(int level) const {
+    return level < begin ? 2 * begin - 1 - level : level >= end ? 2 * end - 1 - level : level;
   }
 };
 
-HANDYAR_VECTORISED void smooth_row(const Smoothing& smoothing, const float* row,
-                                   float* __restrict out) {
-  std::array<float, kBinLevels> sum{};
-  for (int k = 0; k < kBinLevels; ++k) {
-    if (row[k] == 0) continue;
-    for (int i = 0; i < kBinLevels; ++i) sum[i] += row[k] * smoothing.of[k][i];
+/// The fine levels of chroma of one row.
+HANDYAR_VECTORISED void smooth_along(const Smoothing& s, const float* row, float* __restrict out) {
+  constexpr int kLevels = kCoarseChroma - kFineChroma;
+  std::array<float, 3 * kLevels> padded;  // from level kFineChroma - kLevels on
+  for (int k = 0; k < kLevels; ++k) padded[kLevels + k] = row[kFineChroma + k];
+  for (int k = 1; k <= s.reach; ++k) {
+    padded[kLevels - k] = padded[kLevels + k - 1];
+    padded[2 * kLevels - 1 + k] = padded[2 * kLevels - k];
   }
-  std::ranges::copy(sum, out);
+  std::array<float, kLevels> sum{};
+  for (int apart = -s.reach; apart <= s.reach; ++apart) {
+    const float weight = s.weight[std::abs(apart)];
+    const float* from = padded.data() + kLevels + apart;
+    for (int k = 0; k < kLevels; ++k) sum[k] += weight * from[k];
+  }
+  for (int k = 0; k < kFineChroma; ++k) out[k] = row[k];
+  for (int k = 0; k < kLevels; ++k) out[kFineChroma + k] = sum[k];
+  for (int k = kCoarseChroma; k < kBinLevels; ++k) out[k] = row[k];
 }
 
-/// In place, of the rows first, first + stride, ...: one for each level of a channel.
-HANDYAR_VECTORISED void smooth_across(const Smoothing& smoothing, int first, int stride,
+/// Whole rows, in place: row `first` + `stride` * level for each level.
+HANDYAR_VECTORISED void smooth_across(const Smoothing& s, int first, int stride,
                                       std::span<float> rows, BinRows& filled) {
   std::array<std::array<float, kBinLevels>, kBinLevels> before;
-  std::array<bool, kBinLevels> held;
-  bool any = false;
-  for (int k = 0; k < kBinLevels; ++k) {
-    held[k] = filled[first + k * stride];
-    if (held[k])
-      std::copy_n(rows.data() + (first + k * stride) * kBinLevels, kBinLevels, before[k].data());
-    any |= held[k];
+  std::uint32_t held = 0;  // a bit for each level that holds something
+  for (int level = s.begin; level < s.end; ++level) {
+    const int row = first + level * stride;
+    if (!filled[row]) continue;
+    held |= std::uint32_t{1} << level;
+    for (int k = 0; k < kBinLevels; ++k) before[level][k] = rows[row * kBinLevels + k];
   }
-  if (!any) return;
-  for (int k = 0; k < kBinLevels; ++k) {
+  if (held == 0) return;
+  for (int level = s.begin; level < s.end; ++level) {
+    const std::uint64_t reached = ((std::uint64_t{2} << 2 * s.reach) - 1) << level >> s.reach;
+    if ((held & reached) == 0) continue;
     std::array<float, kBinLevels> sum{};
-    bool reached = false;
-    const int end = std::min(k + smoothing.reach + 1, kBinLevels);
-    for (int from = std::max(k - smoothing.reach, 0); from < end; ++from) {
-      const float weight = smoothing.of[k][from];
-      if (!held[from] || weight == 0) continue;
-      for (int i = 0; i < kBinLevels; ++i) sum[i] += weight * before[from][i];
-      reached = true;
+    for (int apart = -s.reach; apart <= s.reach; ++apart) {
+      const int from = s.mirrored(level + apart);
+      if ((held >> from & 1) == 0) continue;
+      const float weight = s.weight[std::abs(apart)];
+      for (int k = 0; k < kBinLevels; ++k) sum[k] += weight * before[from][k];
     }
-    if (!reached) continue;
-    filled[first + k * stride] = true;
-    std::ranges::copy(sum, rows.data() + (first + k * stride) * kBinLevels);
+    const int row = first + level * stride;
+    filled[row] = true;
+    for (int k = 0; k < kBinLevels; ++k) rows[row * kBinLevels + k] = sum[k];
   }
 }
 
@@ -148,10 +170,8 @@ BinRows smooth_histogram(std::span<const float> count, std::span<float> out, int
   BinRows filled;
   for (std::size_t r = 0; r < filled.size(); ++r) {
     const float* row = count.data() + r * kBinLevels;
-    std::uint32_t any = 0;  // of the bits: counts are never negative, and this is vectorised
-    for (int k = 0; k < kBinLevels; ++k) any |= std::bit_cast<std::uint32_t>(row[k]);
-    filled[r] = any != 0;
-    if (filled[r]) smooth_row(chroma, row, out.data() + r * kBinLevels);
+    filled[r] = any_of(row);
+    if (filled[r]) smooth_along(chroma, row, out.data() + r * kBinLevels);
   }
   for (int a = 0; a < kBinLevels; ++a) smooth_across(chroma, a * kBinLevels, 1, out, filled);
   for (int b = 0; b < kBinLevels; ++b) smooth_across(luma, b, kBinLevels, out, filled);
@@ -195,8 +215,7 @@ void SkinModel::widen() noexcept { learned_.widening_ = config_.widening; }
 
 void SkinModel::accumulate(Histogram& h, std::span<const ColorBin> bins) noexcept {
   const float keep = 1.0f - 1.0f / static_cast<float>(std::max(config_.learn_frames, 1));
-  constexpr float kForgotten = 1e-4f;  // of a sample
-  for (float& c : h.count) c = c * keep < kForgotten ? 0.0f : c * keep;
+  decay(h.count, keep);
   for (const ColorBin b : bins) h.count[b] += 1;
   h.total = h.total * keep + static_cast<float>(bins.size());
 }

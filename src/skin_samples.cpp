@@ -11,8 +11,9 @@ void sample_skin(const BinImage& image, const Mask* mask, const HandShape& shape
   samples.hand.clear();
   samples.background.clear();
   const auto take = [&](const Eigen::Vector2f& p) {
-    const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
-    if (u < 0 || v < 0 || u >= image.width || v >= image.height) return;
+    if (!(p.x() >= 0) || !(p.y() >= 0)) return;
+    const int u = static_cast<int>(p.x() + 0.5f), v = static_cast<int>(p.y() + 0.5f);
+    if (u >= image.width || v >= image.height) return;
     if (samples.hand.size() < samples.hand.capacity())
       samples.hand.push_back(image.bins[static_cast<std::size_t>(v) * image.width + u]);
   };
@@ -39,6 +40,7 @@ void sample_skin(const BinImage& image, const Mask* mask, const HandShape& shape
   const int u0 = std::max(grid, int(around.min().x())), v0 = std::max(grid, int(around.min().y()));
   const int u1 = std::min(image.width - grid, int(around.max().x()));
   const int v1 = std::min(image.height - grid, int(around.max().y()));
+  const HandReach reach(shape);
   const auto region_near = [&](int u, int v) {
     return mask == nullptr || mask->at(u, v) || mask->at(u - 2, v) || mask->at(u + 2, v) ||
            mask->at(u, v - 2) || mask->at(u, v + 2);
@@ -46,7 +48,7 @@ void sample_skin(const BinImage& image, const Mask* mask, const HandShape& shape
   for (int v = v0; v < v1; v += grid)
     for (int u = u0; u < u1; u += grid) {
       // What hangs together with the hand and yet cannot be a part of it is background too.
-      if (region_near(u, v) && shape.may_hold({float(u), float(v)})) continue;
+      if (region_near(u, v) && reach.holds({float(u), float(v)})) continue;
       if (samples.background.size() < samples.background.capacity())
         samples.background.push_back(image.bins[static_cast<std::size_t>(v) * image.width + u]);
     }

@@ -326,12 +326,13 @@ TEST(HandShape, MapsTheAverageHandIntoTheImage) {
     ASSERT_TRUE(find(hand, view, shape));
     EXPECT_LT((shape.palm().cast<double>() - view * V(0, -0.035)).norm(), 15);
     EXPECT_NEAR(shape.finger_width, 1300 * 0.017, 5);
+    const HandReach reach(shape);
     for (int f = 0; f < kFingerCount; ++f) {
-      EXPECT_TRUE(shape.may_hold(shape.tips[f]));
+      EXPECT_TRUE(reach.holds(shape.tips[f]));
       EXPECT_TRUE(shape.bounds().contains(shape.tips[f]));
     }
-    EXPECT_TRUE(shape.may_hold(shape.palm()));
-    EXPECT_FALSE(shape.may_hold(shape.tips[2] + 3 * (shape.tips[2] - shape.palm())));
+    EXPECT_TRUE(reach.holds(shape.palm()));
+    EXPECT_FALSE(reach.holds(shape.tips[2] + 3 * (shape.tips[2] - shape.palm())));
   }
 }
 

@@ -48,9 +48,6 @@ struct HandShape {
   /// Box around fingers, palm and wrist.
   Eigen::AlignedBox2f bounds() const noexcept;
 
-  /// True where the hand, or the forearm behind it, may be: near a finger, the palm or the wrist.
-  bool may_hold(const Eigen::Vector2f& p) const noexcept;
-
   /// Where a picture of `width` x `height` pixels shows this hand, give or take half a finger.
   void expect(int width, int height, ExpectedRegion& region) const noexcept;
 
@@ -73,6 +70,23 @@ struct HandShape {
   Eigen::Vector2f to_image(const Eigen::Vector2f& p_hand_m) const noexcept {
     return image_hand.leftCols<2>() * p_hand_m + image_hand.col(2);
   }
+};
+
+/// Where a hand, or the forearm behind it, may be: near a finger, the palm or the wrist.
+class HandReach {
+ public:
+  explicit HandReach(const HandShape& shape) noexcept;
+  bool holds(const Eigen::Vector2f& p) const noexcept;
+
+ private:
+  struct Axis {
+    Eigen::Vector2f base, along;
+    float per_length2;
+  };
+  std::array<Axis, kFingerCount> fingers_;
+  Eigen::Matrix<float, 2, 3> hand_image_;  ///< into the hand's plane
+  Eigen::Vector2f palm_m_;
+  float finger_width2_;
 };
 
 /// The average outstretched hand, thumb_right: in metres of its own plane instead of pixels.
