@@ -364,11 +364,11 @@ HandShape OwnShape::laid_on(const HandShape& shape) const noexcept {
   return laid;
 }
 
-int OwnShape::misread(const HandShape& shape) const noexcept {
-  constexpr float kFar_m = 0.018f, kAgree_m = 0.005f;
-  if (!knows(shape)) return -1;
+OwnShape::OddTip OwnShape::odd_tip(const HandShape& shape) const noexcept {
+  constexpr float kAgree_m = 0.005f, kUsual_m = 0.002f;
+  OddTip odd;
+  if (!knows(shape)) return odd;
   const Eigen::Matrix<float, 2, kPoints> points = points_of(shape);
-  int misread = -1;
   float least = kAgree_m;
   for (int f = 0; f < kFingerCount; ++f) {
     if (!shape.tip_seen[f]) continue;
@@ -381,9 +381,9 @@ int OwnShape::misread(const HandShape& shape) const noexcept {
         std::sqrt(rest.colwise().squaredNorm().dot(others.transpose()) / others.sum());
     if (!(disagreement < least)) continue;
     least = disagreement;
-    misread = rest.col(f).norm() > kFar_m ? f : -1;
+    odd = {f, std::max(0.0f, rest.col(f).norm() - disagreement - kUsual_m), px_per_m};
   }
-  return misread;
+  return odd;
 }
 
 bool OwnShape::infer_tip(int finger, HandShape& shape) const noexcept {

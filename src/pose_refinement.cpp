@@ -37,8 +37,8 @@ struct Linearised {
   Matrix6d H = Matrix6d::Zero();  ///< J' W J
   Vector6d g = Vector6d::Zero();  ///< J' W r
   Matrix6d N = Matrix6d::Zero();  ///< covariance of g from pixel noise
-  double cost = 0, chi2 = 0, tips_px2 = 0;
-  int tips = 0;
+  double cost = 0, chi2 = 0;
+  double tips = 0, tips_px2 = 0;  ///< weights of fingertips by pixel noise; of them and residuals
   std::array<Eigen::Matrix2d, kMaxPosePoints> information;  ///< of each residual, per px^2
 };
 
@@ -63,8 +63,9 @@ bool linearise(const PosePoints& points, const Camera& camera, double huber,
     out.cost += huber_cost(s2, huber);
     out.chi2 += s2;
     if (p.finger >= 0) {
-      out.tips_px2 += r.squaredNorm();
-      ++out.tips;
+      const double weight = 1 / (p.sigma_px * p.sigma_px);
+      out.tips_px2 += weight * r.squaredNorm();
+      out.tips += weight;
     }
     out.information[i] = information;
   }
@@ -107,7 +108,7 @@ std::optional<FittedPose> fit_at(const PosePoints& points, const Camera& camera,
   fit.noise_covariance = fit.covariance * at.N * fit.covariance;
   fit.deviance = at.cost;
   fit.chi2 = at.chi2;
-  fit.rms_px = std::sqrt(at.tips_px2 / std::max(at.tips, 1));
+  fit.rms_px = at.tips > 0 ? std::sqrt(at.tips_px2 / at.tips) : 0;
   return fit;
 }
 

@@ -43,7 +43,7 @@ struct FittedPose {
   Matrix6d noise_covariance = Matrix6d::Zero();  ///< the part from pixel noise
   double deviance = 0;                           ///< squared error in standard deviations, robust
   double chi2 = 0;                               ///< the same, all points at full weight
-  double rms_px = 0;                             ///< of the fingertips
+  double rms_px = 0;                             ///< of the fingertips, by pixel noise weighted
 };
 
 /// Displacement of the image of a point: pixel residual (seen - projected) and its derivative by

@@ -108,7 +108,8 @@ struct HandTracker::Impl {
   bool promising = false;      // `found` was refused, but not by much
   HandShape before, expected;  // mask pixels of this frame: `shape`, and where it should be now
   HandShape found;             // mask pixels of this frame
-  std::array<bool, kFingerCount> tip_inferred{};  // of `found`: from own_shape
+  std::array<bool, kFingerCount> tip_inferred{};   // of `found`: from own_shape
+  std::array<float, kFingerCount> tip_doubt_px{};  // of `found`: how far off its tips may be
   OwnShape own_shape;
   Component component;
   Eigen::Vector2f centroid_px = Eigen::Vector2f::Zero();

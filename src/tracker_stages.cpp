@@ -115,13 +115,18 @@ bool HandTracker::Impl::match(bool anew) noexcept {
     if (depth < 0.25f * before.palm_radius()) return false;
     found.valleys[k] = curvature.samples()[at];
   }
-  // A finger that is suddenly much longer or shorter runs on into what has the hand's colour.
+  // A finger that is suddenly longer or shorter runs on into what has the hand's colour, or is cut
+  // by a shadow. Far off, its tip was misread; less so, it tells less of the pose, unless it was
+  // drawn from the hand's own shape.
   tip_inferred.fill(false);
+  tip_doubt_px.fill(0);
   if (!anew) {
-    const int misread = own_shape.misread(found);
-    if (misread >= 0) {
-      found.tip_seen[misread] = false;
+    const OwnShape::OddTip odd = own_shape.odd_tip(found);
+    if (odd.off_m > config.shape.misread_m) {
+      found.tip_seen[odd.finger] = false;
       --matched;
+    } else if (odd.finger >= 0 && !colorless) {
+      tip_doubt_px[odd.finger] = odd.off_m * odd.px_per_m;
     }
     for (int f = 0; f < kFingerCount; ++f)
       tip_inferred[f] = !found.tip_seen[f] && own_shape.infer_tip(f, found);
@@ -186,7 +191,9 @@ bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   const double finger_px =
       bins.step_px * std::max(found.finger_width, 10.0f) * (colorless ? kColorless : 1);
   for (int f = 0; f < kFingerCount; ++f)
-    observation.tips[f] = {result.tips[f].px, tip_noise * finger_px, result.tips[f].seen};
+    observation.tips[f] = {result.tips[f].px,
+                           std::hypot(tip_noise * finger_px, bins.step_px * tip_doubt_px[f]),
+                           result.tips[f].seen};
   for (int k = 0; k < kValleyCount; ++k)
     observation.valleys[k] = {result.valleys[k].px, kValleyNoise * finger_px,
                               result.valleys[k].seen};

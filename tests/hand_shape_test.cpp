@@ -195,13 +195,14 @@ TEST(OwnShape, KnowsAMisreadFingerFromAnotherView) {
   const OwnShape own = learned(hand, model);
   const Eigen::Affine2d view = view_of(1000, 1.2, deg(35), deg(70));
   HandShape shape = seen(hand, view);
-  EXPECT_EQ(own.misread(shape), -1);
+  EXPECT_EQ(own.odd_tip(shape).off_m, 0);
   for (int f = 0; f < kFingerCount; ++f)
     for (const double by_m : {-0.03, 0.03}) {
       HandModel misread = hand;
       misread.tips_m.col(f) *= 1 + by_m / hand.tips_m.col(f).norm();
       HandShape wrong = seen(misread, view);
-      EXPECT_EQ(own.misread(wrong), f) << by_m;
+      EXPECT_EQ(own.odd_tip(wrong).finger, f) << by_m;
+      EXPECT_GT(own.odd_tip(wrong).off_m, HandShapeConfig{}.misread_m) << by_m;
       wrong.tip_seen[f] = false;
       ASSERT_TRUE(own.infer_tip(f, wrong));
       EXPECT_LT((wrong.tips[f] - shape.tips[f]).norm(), 0.002f * 1000) << f;
@@ -215,7 +216,11 @@ TEST(OwnShape, AllowsFingersToMoveALittle) {
   for (int f = 0; f < kFingerCount; ++f) {
     HandModel moved = hand;
     moved.tips_m(0, f) += 0.010;
-    EXPECT_EQ(own.misread(seen(moved, view_of(1000, 0.3))), -1) << f;
+    const OwnShape::OddTip odd = own.odd_tip(seen(moved, view_of(1000, 0.3)));
+    EXPECT_EQ(odd.finger, f);
+    EXPECT_GT(odd.off_m, 0.005) << f;
+    EXPECT_LT(odd.off_m, HandShapeConfig{}.misread_m) << f;
+    EXPECT_NEAR(odd.px_per_m, 1000, 50);
   }
 }
 
@@ -227,7 +232,7 @@ TEST(OwnShape, SaysNothingBeforeItKnowsEnough) {
   model.fit({}, shape);
   own.learn(shape, 0.05f);
   shape.tips[0] *= 1.5f;
-  EXPECT_EQ(own.misread(shape), -1);
+  EXPECT_EQ(own.odd_tip(shape).finger, -1);
   EXPECT_FALSE(own.infer_tip(0, shape));
   OwnShape known = learned(hand, model);
   known.reset();

@@ -429,7 +429,7 @@ TEST(AverageValleys, FollowTheTipsAndTheirLayout) {
 TEST(AverageValleys, HoldThePoseWhereATipIsMisread) {
   // Fingertips alone take a thumb that is read some millimetres off for a hand that tilts.
   const HandModel hand = rendered_hand();
-  double by_tips_rad = 0, by_all_rad = 0;
+  double by_tips_rad = 0, by_all_rad = 0, in_doubt_rad = 0;
   for (const double axis : {0.0, 60.0, 120.0, 180.0, 240.0, 300.0})
     for (const Eigen::Vector2d& misread_px :
          {Eigen::Vector2d(-10, 0), {0, 10}, {10, 0}, {0, -10}}) {
@@ -443,9 +443,16 @@ TEST(AverageValleys, HoldThePoseWhereATipIsMisread) {
       ASSERT_TRUE(tips && all);
       by_tips_rad += test::rotation_error_rad(tips->T_camera_hand, truth) / 24;
       by_all_rad += test::rotation_error_rad(all->T_camera_hand, truth) / 24;
+      seen.tips[0].sigma_px = 10;
+      const auto in_doubt =
+          estimate_pose(seen, without_valleys(hand), rendered_camera(), {}, prior);
+      ASSERT_TRUE(in_doubt);
+      EXPECT_LT(in_doubt->rms_px, all->rms_px) << "which says less of the fit";
+      in_doubt_rad += test::rotation_error_rad(in_doubt->T_camera_hand, truth) / 24;
     }
   EXPECT_LT(by_all_rad, 0.8 * by_tips_rad);
   EXPECT_LT(by_all_rad, deg(8));
+  EXPECT_LT(in_doubt_rad, 0.6 * by_all_rad);
 }
 
 struct Consistency {

@@ -24,6 +24,7 @@ struct HandShapeConfig {
   double min_palm_fill = 0.85;    ///< share of the palm disc that lies in the region
   double min_finger_fill = 0.75;  ///< share of a finger's stations that are as wide as a finger
   double max_raggedness = 1.35;  ///< length of the boundary of the fingers over its smoothed length
+  double misread_m = 0.014;      ///< a tip further from its place on the hand was misread
   double own_memory_s = 0.7;     ///< over which a tracked hand's own shape is averaged
   double own_deviation_share = 0.75;  ///< of max_deviation: frames below it are likely right,
                                       ///< and its own shape is learned from them
@@ -137,9 +138,14 @@ class OwnShape {
   /// Takes in a verified shape with all tips and valleys; `share` is its weight in the mean.
   void learn(const HandShape& shape, float share) noexcept;
 
-  /// The finger whose tip is far from where all other points say that it is, while they agree with
-  /// each other; -1: none, or too little is known.
-  int misread(const HandShape& shape) const noexcept;
+  struct OddTip {
+    int finger = -1;     ///< -1: none, or too little is known
+    float off_m = 0;     ///< how much further than usual it is from its place
+    float px_per_m = 0;  ///< of the hand, where it is
+  };
+  /// The tip without which all other points agree best with each other, and how far it is from
+  /// where they say that it is.
+  OddTip odd_tip(const HandShape& shape) const noexcept;
 
   /// Puts a tip where the points that are seen say that it is. False when too little is known.
   bool infer_tip(int finger, HandShape& shape) const noexcept;
