@@ -2,6 +2,7 @@
 #include "handyar/edge_maps.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -62,14 +63,22 @@ int EdgeMaps::edge_at(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) c
 
 /// Mean luma, yellowness and redness.
 void EdgeMaps::read_colors(const BinImage& image, int width, int height) noexcept {
+  constexpr int kShift = 40;
+  constexpr std::uint64_t kOne = std::uint64_t{1} << kShift;
+  const int least = static_cast<int>(scale_);  // bins of a pixel across, or one or two more
   std::uint8_t* color = colors_.data();
   for (int v = 0; v < height; ++v) {
     const int y0 = static_cast<int>(static_cast<float>(v) * scale_);
     const int y1 = std::max(y0 + 1, static_cast<int>(static_cast<float>(v + 1) * scale_));
+    // Divisions would take a third of the time. Rounded up, these give the same.
+    std::array<std::uint64_t, 3> inverse;
+    for (int more = 0; more < 3; ++more) inverse[more] = kOne / ((least + more) * (y1 - y0)) + 1;
+    int x1 = 0;
     for (int u = 0; u < width; ++u, color += 3) {
-      const int x0 = static_cast<int>(static_cast<float>(u) * scale_);
-      const int x1 = std::max(x0 + 1, static_cast<int>(static_cast<float>(u + 1) * scale_));
-      int luma = 0, yellowness = 0, redness = 0;
+      const int x0 = x1;
+      x1 = std::clamp(static_cast<int>(static_cast<float>(u + 1) * scale_), x0 + least,
+                      x0 + least + 2);
+      std::uint64_t luma = 0, yellowness = 0, redness = 0;
       for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
           const ColorBin b = image.bins[static_cast<std::size_t>(y) * image.width + x];
@@ -77,10 +86,10 @@ void EdgeMaps::read_colors(const BinImage& image, int width, int height) noexcep
           yellowness += b >> 5 & 31;
           redness += b & 31;
         }
-      const int count = (x1 - x0) * (y1 - y0);
-      color[0] = static_cast<std::uint8_t>(8 * luma / count);
-      color[1] = static_cast<std::uint8_t>(2 * yellowness / count);
-      color[2] = static_cast<std::uint8_t>(2 * redness / count);
+      const std::uint64_t per_bin = inverse[x1 - x0 - least];
+      color[0] = static_cast<std::uint8_t>(8 * luma * per_bin >> kShift);
+      color[1] = static_cast<std::uint8_t>(2 * yellowness * per_bin >> kShift);
+      color[2] = static_cast<std::uint8_t>(2 * redness * per_bin >> kShift);
     }
   }
 }
