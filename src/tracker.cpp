@@ -55,7 +55,7 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
   region.reserve(width * height, longer);
   expectation.ratios.resize((width / 2 + 1) * (height / 2 + 1));  // cells of 2 or more
   silhouette.reserve(width * height, longer);
-  const int coarse = search_step();  // at least as large
+  const int coarse = search_step();
   search.reserve((width_px / coarse) * (height_px / coarse), longer_px / coarse);
   contour.reserve(kMaxContour);
   contour_px.resize(kMaxContour);

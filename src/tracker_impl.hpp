@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -60,10 +61,11 @@ struct HandTracker::Impl {
     const int step = std::max(1, std::max(width_px, height_px) / enough_px);
     return config.half_resolution ? 2 * step : step;
   }
-  /// The same for whole frames.
+  /// The same for whole frames, which have to find room where those are.
   int search_step() const noexcept {
-    const int longer = std::max(width_px, height_px);
-    return std::max(2, (longer + config.search.longer_side / 2) / config.search.longer_side);
+    const float reduced = static_cast<float>(width_px) * static_cast<float>(height_px) /
+                          static_cast<float>(config.search.pixels);
+    return std::max({2, tracking_step(), static_cast<int>(std::lround(std::sqrt(reduced)))});
   }
   PixelRect region_of_interest(double dt_s) const noexcept;
   Eigen::Vector2f to_input(const Eigen::Vector2f& p) const noexcept {

@@ -334,6 +334,24 @@ TEST(Tracker, FollowsTheOutlineWhereColoursTellNothing) {
   EXPECT_GT(tracked_in_the_rooms_colors({}), tracked_in_the_rooms_colors(by_color_alone) + 8);
 }
 
+TEST(Tracker, HasRoomForFramesOfAnyShape) {
+  for (const bool half : {false, true})
+    for (const auto& [width, height] :
+         {std::pair{4096, 120}, {120, 4096}, {161, 120}, {901, 900}, {1801, 1013}}) {
+      Config config;
+      config.half_resolution = half;
+      const Camera camera = Camera::from_field_of_view(width, height);
+      HandTracker tracker(camera, average_adult_hand(), config);
+      Picture picture(width, height);
+      picture.texture(24, "Room");
+      for (int i = 1; i <= 3; ++i) {
+        const TrackResult result = tracker.process(picture.view(), i / 30.0);
+        EXPECT_EQ(result.status, FrameStatus::ok);
+        EXPECT_NE(result.state, State::tracking);
+      }
+    }
+}
+
 TEST(Tracker, PredictsThePoseForDisplay) {
   Film film;
   EXPECT_FALSE(film.tracker.predict(0.01));

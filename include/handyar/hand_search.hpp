@@ -19,7 +19,7 @@ namespace handyar {
 struct SkinSamples;
 
 struct HandSearchConfig {
-  int longer_side = 320;          ///< frames are reduced to about this many pixels
+  int pixels = 320 * 240;         ///< to about as many frames are reduced
   double min_area_share = 0.008;  ///< of the frame, for a region to be looked at
   double max_deviation = 1.7;     ///< as HandShapeConfig's, but only to be worth a closer look
   int readings_per_frame = 16;    ///< more find a hand sooner and cost more
