@@ -73,6 +73,11 @@ HandModel average_adult_hand() {
   m.tips_m << 0.0945, 0.0450, 0.0000, -0.0420, -0.0720,  //
       0.0000, 0.0800, 0.0955, 0.0775, 0.0415,            //
       0.0, 0.0, 0.0, 0.0, 0.0;
+  // Hands differ, and thumbs are held in many ways: a model as sure of them as a measured one tilts
+  // a hand whose thumb stands otherwise until the object on it hovers over the thumb.
+  m.tips_sigma_m << 0.006, 0.003, 0.003, 0.003, 0.003,  //
+      0.006, 0.003, 0.003, 0.003, 0.003,                //
+      0.003, 0.0015, 0.0015, 0.0015, 0.0015;
   m.layout = Layout::thumb_right;
   m.source = HandSource::average_adult;
   return m;

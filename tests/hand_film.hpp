@@ -9,6 +9,7 @@ namespace handyar::test {
 inline HandModel drawn_hand_model() {
   HandModel hand = average_adult_hand();
   hand.source = HandSource::truth;
+  hand.tips_sigma_m.setZero();
   return hand;
 }
 

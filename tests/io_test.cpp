@@ -190,6 +190,7 @@ TEST_F(IoTest, HandIsReadBackAsWritten) {
   hand.layout = Layout::thumb_left;
   hand.source = HandSource::checkerboard;
   hand.rms_px = 1.0 / 3.0;
+  hand.tips_sigma_m.setZero();  // version 1 has none
   write_hand(path("1.json"), hand);
   EXPECT_NE(read_text(path("1.json")).find("\"version\": 1"), std::string::npos);
   HandModel read = read_hand(path("1.json"));
