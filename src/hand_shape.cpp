@@ -123,8 +123,8 @@ HandReach::HandReach(const HandShape& shape) noexcept
   const Eigen::Matrix2f linear = shape.image_hand.leftCols<2>().inverse();
   hand_image_ << linear, -linear * shape.image_hand.col(2);
   for (int f = 0; f < kFingerCount; ++f) {
-    const Eigen::Vector2f base = shape.finger_base(f), along = shape.tips[f] - base;
-    fingers_[f] = {base, along, 1 / along.squaredNorm()};
+    const Eigen::Vector2f base = shape.finger_base(f);
+    fingers_[f] = {base, shape.tips[f] - base};
   }
 }
 
@@ -134,30 +134,27 @@ bool HandReach::holds(const Eigen::Vector2f& p) const noexcept {
   const Eigen::Vector2f p_m = hand_image_.leftCols<2>() * p + hand_image_.col(2);
   if (p_m.y() < kForearmTop_m && std::abs(p_m.x()) < kForearmHalfWidth_m) return true;
   if ((p_m - palm_m_).squaredNorm() < kPalmReach_m * kPalmReach_m) return true;
-  return std::ranges::any_of(fingers_, [&](const Axis& finger) {
-    const Eigen::Vector2f d = p - finger.base;
-    const float s = std::clamp(d.dot(finger.along) * finger.per_length2, 0.0f, 1.0f);
-    return (d - s * finger.along).squaredNorm() < finger_width2_;
+  return std::ranges::any_of(fingers_, [&](const HandAxis& finger) {
+    return finger.offset(p).squaredNorm() < finger_width2_;
   });
 }
 
 void HandShape::expect(int width, int height, ExpectedRegion& region) const noexcept {
   struct Capsule {
-    Eigen::Vector2f from, along;
-    float per_length2, radius;
+    HandAxis axis;
+    float radius;
   };
   std::array<Capsule, kFingerCount + 2> parts;
   for (int f = 0; f < kFingerCount; ++f) {
     const Eigen::Vector2f from = finger_base(f), to = tips[f];
     const float length = std::max((to - from).norm(), finger_width);
-    const Eigen::Vector2f along = (1 - 0.5f * finger_width / length) * (to - from);
-    parts[f] = {from, along, 1 / along.squaredNorm(), 0.5f * finger_width};
+    parts[f] = {{from, (1 - 0.5f * finger_width / length) * (to - from)}, 0.5f * finger_width};
   }
-  parts[kFingerCount] = {palm(), Eigen::Vector2f::Zero(), 0, 1.05f * palm_radius()};
+  parts[kFingerCount] = {HandAxis(palm()), 1.05f * palm_radius()};
   // The ball of the thumb, from the wrist on.
   const Eigen::Vector2f up = image_hand.col(1).normalized(), right(-up.y(), up.x());
-  const Eigen::Vector2f wrist = palm() - palm_radius() * up, ball = finger_base(0) - wrist;
-  parts[kFingerCount + 1] = {wrist, ball, 1 / ball.squaredNorm(), 0.8f * finger_width};
+  const Eigen::Vector2f wrist = palm() - palm_radius() * up;
+  parts[kFingerCount + 1] = {{wrist, finger_base(0) - wrist}, 0.8f * finger_width};
   const float forearm = 1.6f * palm_radius();
 
   region.cell = std::max(2, static_cast<int>(finger_width / 4));
@@ -167,11 +164,8 @@ void HandShape::expect(int width, int height, ExpectedRegion& region) const noex
     for (int u = 0; u < width; u += region.cell, ++to) {
       const Eigen::Vector2f p = Eigen::Vector2f(float(u), float(v)).array() + 0.5f * region.cell;
       float distance = std::numeric_limits<float>::max();
-      for (const Capsule& part : parts) {
-        const Eigen::Vector2f d = p - part.from;
-        const float s = std::clamp(d.dot(part.along) * part.per_length2, 0.0f, 1.0f);
-        distance = std::min(distance, (d - s * part.along).norm() - part.radius);
-      }
+      for (const Capsule& part : parts)
+        distance = std::min(distance, part.axis.offset(p).norm() - part.radius);
       const float fingers = distance / finger_width;
       const Eigen::Vector2f below = p - palm();
       if (fingers < -0.1f) {

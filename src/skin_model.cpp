@@ -91,15 +91,13 @@ HANDYAR_VECTORISED void decay(std::span<float> count, float keep) {
   }
 }
 
-/// Smoothing of a channel from level `begin` to before `end`: binomial weights of levels so far
-/// apart. What would fall outside is mirrored.
+/// Binomial weights of levels so far apart.
 struct Smoothing {
   static constexpr int kMostReach = 15;  // less than a channel's levels
-  int begin, end, reach;
+  int reach;
   std::array<float, kBinLevels + 2> weight{};
 
-  Smoothing(int times, int first, int last)
-      : begin(first), end(last), reach(std::clamp(times, 0, kMostReach)) {
+  explicit Smoothing(int times) : reach(std::clamp(times, 0, kMostReach)) {
     weight[0] = 1;
     for (int time = 0; time < reach; ++time) {
       float before = weight[1];
@@ -110,6 +108,12 @@ struct Smoothing {
       }
     }
   }
+};
+
+/// Levels of a channel that are smoothed among themselves: what would fall outside is mirrored.
+struct Levels {
+  int begin, end;
+
   int mirrored(int level) const {
     return level < begin ? 2 * begin - 1 - level : level >= end ? 2 * end - 1 - level : level;
   }
@@ -136,23 +140,23 @@ HANDYAR_VECTORISED void smooth_along(const Smoothing& s, const float* row, float
 }
 
 /// Whole rows, in place: row `first` + `stride` * level for each level.
-HANDYAR_VECTORISED void smooth_across(const Smoothing& s, int first, int stride,
+HANDYAR_VECTORISED void smooth_across(const Smoothing& s, Levels levels, int first, int stride,
                                       std::span<float> rows, BinRows& filled) {
   std::array<std::array<float, kBinLevels>, kBinLevels> before;
   std::uint32_t held = 0;  // a bit for each level that holds something
-  for (int level = s.begin; level < s.end; ++level) {
+  for (int level = levels.begin; level < levels.end; ++level) {
     const int row = first + level * stride;
     if (!filled[row]) continue;
     held |= std::uint32_t{1} << level;
     for (int k = 0; k < kBinLevels; ++k) before[level][k] = rows[row * kBinLevels + k];
   }
   if (held == 0) return;
-  for (int level = s.begin; level < s.end; ++level) {
+  for (int level = levels.begin; level < levels.end; ++level) {
     const std::uint64_t reached = ((std::uint64_t{2} << 2 * s.reach) - 1) << level >> s.reach;
     if ((held & reached) == 0) continue;
     std::array<float, kBinLevels> sum{};
     for (int apart = -s.reach; apart <= s.reach; ++apart) {
-      const int from = s.mirrored(level + apart);
+      const int from = levels.mirrored(level + apart);
       if ((held >> from & 1) == 0) continue;
       const float weight = s.weight[std::abs(apart)];
       for (int k = 0; k < kBinLevels; ++k) sum[k] += weight * before[from][k];
@@ -166,15 +170,17 @@ HANDYAR_VECTORISED void smooth_across(const Smoothing& s, int first, int stride,
 }  // namespace
 
 BinRows smooth_histogram(std::span<const float> count, std::span<float> out, int times) noexcept {
-  const Smoothing luma(times, 0, kBinLevels), chroma(times, kFineChroma, kCoarseChroma);
+  constexpr Levels kLuma{0, kBinLevels}, kChroma{kFineChroma, kCoarseChroma};
+  const Smoothing smoothing(times);
   BinRows filled;
   for (std::size_t r = 0; r < filled.size(); ++r) {
     const float* row = count.data() + r * kBinLevels;
     filled[r] = any_of(row);
-    if (filled[r]) smooth_along(chroma, row, out.data() + r * kBinLevels);
+    if (filled[r]) smooth_along(smoothing, row, out.data() + r * kBinLevels);
   }
-  for (int a = 0; a < kBinLevels; ++a) smooth_across(chroma, a * kBinLevels, 1, out, filled);
-  for (int b = 0; b < kBinLevels; ++b) smooth_across(luma, b, kBinLevels, out, filled);
+  for (int a = 0; a < kBinLevels; ++a)
+    smooth_across(smoothing, kChroma, a * kBinLevels, 1, out, filled);
+  for (int b = 0; b < kBinLevels; ++b) smooth_across(smoothing, kLuma, b, kBinLevels, out, filled);
   return filled;
 }
 

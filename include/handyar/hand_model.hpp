@@ -39,9 +39,11 @@ struct HandModel {
   double rms_px = 0.0;         ///< reprojection error of the measurement
   double thickness_m = 0.005;  ///< height of the visible face of a fingertip above what it lies on
 
-  // Measured by calibration since file format version 2; empty where unknown.
+  /// Standard deviations of `tips_m`, 0 = unknown. The average hand's: how people's hands vary.
   Eigen::Matrix<double, 3, kFingerCount> tips_sigma_m =
-      Eigen::Matrix<double, 3, kFingerCount>::Zero();  ///< standard deviations, 0 = unknown
+      Eigen::Matrix<double, 3, kFingerCount>::Zero();
+
+  // Measured by calibration since file format version 2; empty where unknown.
   bool has_valleys = false;
   Eigen::Matrix<double, 3, kValleyCount> valleys_m = Eigen::Matrix<double, 3, kValleyCount>::Zero();
   std::vector<Eigen::Vector2d> outline_m;  ///< closed contour in the hand plane, wrist to wrist

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -73,6 +74,22 @@ struct HandShape {
   }
 };
 
+/// A straight part of the hand; `along` 0: a point.
+struct HandAxis {
+  Eigen::Vector2f from = Eigen::Vector2f::Zero(), along = Eigen::Vector2f::Zero();
+  float per_length2 = 0;
+
+  HandAxis() = default;
+  explicit HandAxis(const Eigen::Vector2f& point) noexcept : from(point) {}
+  HandAxis(const Eigen::Vector2f& start, const Eigen::Vector2f& way) noexcept
+      : from(start), along(way), per_length2(1 / way.squaredNorm()) {}
+  /// From its nearest point to `p`.
+  Eigen::Vector2f offset(const Eigen::Vector2f& p) const noexcept {
+    const Eigen::Vector2f d = p - from;
+    return d - std::clamp(d.dot(along) * per_length2, 0.0f, 1.0f) * along;
+  }
+};
+
 /// Where a hand, or the forearm behind it, may be: near a finger, the palm or the wrist.
 class HandReach {
  public:
@@ -80,11 +97,7 @@ class HandReach {
   bool holds(const Eigen::Vector2f& p) const noexcept;
 
  private:
-  struct Axis {
-    Eigen::Vector2f base, along;
-    float per_length2;
-  };
-  std::array<Axis, kFingerCount> fingers_;
+  std::array<HandAxis, kFingerCount> fingers_;
   Eigen::Matrix<float, 2, 3> hand_image_;  ///< into the hand's plane
   Eigen::Vector2f palm_m_;
   float finger_width2_;
