@@ -20,6 +20,7 @@ struct Scene {
   TrackResult result;
   Mask mask;
   Contour contour;
+  Eigen::Vector2f palm = Eigen::Vector2f::Zero();
   float palm_radius = 0;
   BinImage bins;
 };
@@ -37,6 +38,7 @@ Scene make_scene() {
   if (!s.contour.trace(s.mask)) return s;
   const auto& tips = s.result.tips;
   s.palm_radius = static_cast<float>(0.23 * (tips[0].px - tips[4].px).norm());
+  s.palm = 0.5f * (s.result.valleys[0].px + s.result.valleys[3].px).cast<float>();
   const int pixels = s.picture.rows * s.picture.cols;
   s.bins.bins.resize(static_cast<std::size_t>(pixels));
   read_bins(view(s.picture), {0, 0, s.picture.cols, s.picture.rows}, 1, s.bins);
@@ -120,7 +122,7 @@ void measure_five_tips(benchmark::State& state, FingertipMethod method) {
     for (const Extremum& tip : finder.tips())
       benchmark::DoNotOptimize(measure_tip(s->contour,
                                            static_cast<float>(tip.sample) * finder.spacing(),
-                                           0.45f * s->palm_radius, method));
+                                           s->palm, 0.45f * s->palm_radius, method));
 }
 
 void match(benchmark::State& state) {

@@ -143,6 +143,20 @@ bool fit_ellipse(std::span<const Eigen::Vector2f> points, Ellipse& out) noexcept
   return false;
 }
 
+Eigen::Vector2f Ellipse::end_away_from(const Eigen::Vector2f& base) const noexcept {
+  constexpr float kFinger = 2;
+  const Eigen::Vector2f finger = (center - base).normalized();
+  const Eigen::Matrix2f along = axis * axis.transpose();
+  const float round = minor * minor / (major * major);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2f> directions;
+  directions.computeDirect((1 - round) * along +
+                           kFinger * round * round * finger * finger.transpose());
+  const Eigen::Vector2f direction = directions.eigenvectors().col(1);
+  const float cosine2 = direction.dot(axis) * direction.dot(axis);
+  const float radius = minor / std::sqrt(cosine2 * round + 1 - cosine2);
+  return center + (direction.dot(finger) < 0 ? -radius : radius) * direction;
+}
+
 bool fit_tip_ellipse(const Contour& contour, float arc, float width, Ellipse& out) noexcept {
   const int tip = contour.index_at(arc), n = contour.size();
   // The end of the finger: a half circle (0.8 widths of boundary each way) and some of its sides.
@@ -157,15 +171,13 @@ bool fit_tip_ellipse(const Contour& contour, float arc, float width, Ellipse& ou
   return fit_ellipse({points.data(), std::size_t(count)}, out);
 }
 
-Eigen::Vector2f measure_tip(const Contour& contour, float arc, float width,
-                            FingertipMethod method) noexcept {
+Eigen::Vector2f measure_tip(const Contour& contour, float arc, const Eigen::Vector2f& base,
+                            float width, FingertipMethod method) noexcept {
   const Eigen::Vector2f tip = contour[contour.index_at(arc)];
   Ellipse ellipse;
   if (method == FingertipMethod::curvature || !fit_tip_ellipse(contour, arc, width, ellipse))
     return tip;
-  const Eigen::Vector2f one = ellipse.center + ellipse.major * ellipse.axis;
-  const Eigen::Vector2f other = ellipse.center - ellipse.major * ellipse.axis;
-  const Eigen::Vector2f end = (one - tip).squaredNorm() < (other - tip).squaredNorm() ? one : other;
+  const Eigen::Vector2f end = ellipse.end_away_from(base);
   // An ellipse that runs far past the contour was fitted to something else than a fingertip.
   return (end - tip).norm() > 0.75f * width ? tip : end;
 }

@@ -168,8 +168,8 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
     if (tip_inferred[f]) result.tips[f] = {to_input(found.tips[f]).cast<double>(), false, true};
     if (!found.tip_seen[f]) continue;
     const float arc = static_cast<float>(found.tip_samples[f]) * curvature.spacing();
-    const Eigen::Vector2f tip =
-        measure_tip(contour, arc, found.finger_width, config.fingertips.method);
+    const Eigen::Vector2f tip = measure_tip(contour, arc, found.finger_base(f), found.finger_width,
+                                            config.fingertips.method);
     result.tips[f] = {to_input(tip).cast<double>(), true, false};
   }
   for (int k = 0; k < kValleyCount; ++k) {

@@ -19,14 +19,17 @@ using V = Eigen::Vector2d;
 constexpr int kSize = 321;
 constexpr double kPalmRadius = 45, kFingerRadius = 10, kReach = 135;
 
-/// A finger on a palm, in any direction.
+/// A finger on a palm, in any direction; with a small `corner` radius it ends bluntly.
 struct Finger {
   V palm, direction;
+  double corner = kFingerRadius;
   V tip() const { return palm + kReach * direction; }
   double distance(const V& p) const {
-    return std::min(
-        (p - palm).norm() - kPalmRadius,
-        test::capsule_distance(p, palm, tip() - kFingerRadius * direction, kFingerRadius));
+    const V d = p - palm, across(-direction.y(), direction.x());
+    const V past(d.dot(direction) - (kReach - corner),
+                 std::abs(d.dot(across)) - (kFingerRadius - corner));
+    const double end = past.cwiseMax(0.0).norm() + std::min(past.maxCoeff(), 0.0) - corner;
+    return std::min(d.norm() - kPalmRadius, std::max(end, -d.dot(direction)));
   }
 };
 
@@ -37,7 +40,8 @@ DrawnMask draw(const Shape& shape, double scale = 1) {
 }
 
 /// Errors (px) of the measured tip over many directions and places between pixels.
-std::vector<double> tip_errors(FingertipMethod method) {
+std::vector<double> tip_errors(FingertipMethod method, double corner = kFingerRadius,
+                               float width = 2 * kFingerRadius) {
   std::mt19937 rng = test::random_for("tip_errors");
   std::uniform_real_distribution<double> between(0, 1);
   std::vector<double> errors;
@@ -46,14 +50,15 @@ std::vector<double> tip_errors(FingertipMethod method) {
   CurvatureFinder finder(config);
   for (int degrees = 0; degrees < 360; degrees += 11) {
     const double angle = deg(degrees + between(rng));
-    const Finger finger{{160 + between(rng), 160 + between(rng)},
-                        {std::cos(angle), std::sin(angle)}};
+    const Finger finger{
+        {160 + between(rng), 160 + between(rng)}, {std::cos(angle), std::sin(angle)}, corner};
     DrawnMask drawn = draw(finger);
     if (!drawn.trace_largest()) continue;
     finder.find(drawn.contour, kPalmRadius);
     if (finder.tips().size() != 1) continue;
     const float arc = float(finder.tips()[0].sample) * finder.spacing();
-    const Eigen::Vector2f tip = measure_tip(drawn.contour, arc, 2 * kFingerRadius, method);
+    const Eigen::Vector2f tip =
+        measure_tip(drawn.contour, arc, finger.palm.cast<float>(), width, method);
     errors.push_back((tip.cast<double>() - finger.tip()).norm());
   }
   std::ranges::sort(errors);
@@ -66,6 +71,17 @@ TEST(Fingertips, TheEllipseMeasuresATipToAFractionOfAPixel) {
   RecordProperty("median_px", std::to_string(errors[errors.size() / 2]));
   RecordProperty("largest_px", std::to_string(errors.back()));
   EXPECT_LT(errors[errors.size() / 2], 0.5);
+  EXPECT_LT(errors.back(), 1.5);
+}
+
+TEST(Fingertips, ABluntFingerEndsInItsMiddleNotAtACorner) {
+  // Wider than a hand of this size has them, as when it points at the camera.
+  const auto errors =
+      tip_errors(FingertipMethod::ellipse, 0.5 * kFingerRadius, 1.5 * kFingerRadius);
+  ASSERT_EQ(errors.size(), 33u);
+  RecordProperty("median_px", std::to_string(errors[errors.size() / 2]));
+  RecordProperty("largest_px", std::to_string(errors.back()));
+  EXPECT_LT(errors[errors.size() / 2], 1);
   EXPECT_LT(errors.back(), 1.5);
 }
 
@@ -90,7 +106,8 @@ TEST(Fingertips, AMirroredFingerHasAMirroredTip) {
     finder.find(m->contour, kPalmRadius);
     ASSERT_EQ(finder.tips().size(), 1u);
     const float arc = float(finder.tips()[0].sample) * finder.spacing();
-    tips.push_back(measure_tip(m->contour, arc, 2 * kFingerRadius, FingertipMethod::ellipse));
+    tips.push_back(
+        measure_tip(m->contour, arc, {160, 160}, 2 * kFingerRadius, FingertipMethod::ellipse));
   }
   EXPECT_LT((Eigen::Vector2f(kSize - 1 - tips[1].x(), tips[1].y()) - tips[0]).norm(), 1.0f);
 }

@@ -14,7 +14,7 @@ namespace handyar {
 /// How a fingertip's place is measured (the paper's Table 2 compares them).
 enum class FingertipMethod : std::uint8_t {
   curvature,  ///< the contour point of the sharpest turn
-  ellipse     ///< the end of the major axis of an ellipse fitted around it
+  ellipse     ///< the end of an ellipse fitted around it
 };
 
 struct FingertipConfig {
@@ -71,11 +71,10 @@ class CurvatureFinder {
   int tip_count_ = 0;
 };
 
-/// Measures the tip near contour arc length `arc` of a finger about `width` mask pixels wide, in
-/// mask pixels: a least-squares ellipse around it and the end of its major axis nearest to it
-/// (paper 2.2).
-Eigen::Vector2f measure_tip(const Contour& contour, float arc, float width,
-                            FingertipMethod method) noexcept;
+/// Measures the tip near contour arc length `arc` of a finger that begins at `base` and is about
+/// `width` wide, all in mask pixels: the end of a least-squares ellipse around it (paper 2.2).
+Eigen::Vector2f measure_tip(const Contour& contour, float arc, const Eigen::Vector2f& base,
+                            float width, FingertipMethod method) noexcept;
 
 /// Measures the valley near `near` between two fingers about `width` mask pixels wide: on the full
 /// contour, the deepest point behind the line through both tips of a parabola fitted to the
@@ -88,6 +87,11 @@ Eigen::Vector2f measure_valley(const Contour& contour, const Eigen::Vector2f& ne
 struct Ellipse {
   Eigen::Vector2f center, axis;  ///< `axis`: unit direction of the major axis
   float major = 0, minor = 0;    ///< half lengths
+
+  /// Where a finger from `base` on ends that has this ellipse at its end: along the major axis
+  /// (paper 2.2), as far as there is one. A blunt or foreshortened finger's is about as wide as
+  /// long, its axis points anywhere, and the finger's own direction counts.
+  Eigen::Vector2f end_away_from(const Eigen::Vector2f& base) const noexcept;
 };
 bool fit_ellipse(std::span<const Eigen::Vector2f> points, Ellipse& out) noexcept;
 
