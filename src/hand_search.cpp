@@ -84,8 +84,6 @@ HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fi
       shape_config_(shape_to_look_for(config, shape)),
       shape_model_(model),
       curvature_(fingertips),
-      count_(kBinCount),
-      smooth_(kBinCount),
       coarse_(kCoarseCount),
       patch_(kCoarseCount),
       patch_smooth_(kCoarseCount),
@@ -123,37 +121,33 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
       prior_[i] = clamp8(skin.prior_other()[i] - skin.prior_skin()[i]);
     }
   }
-  std::ranges::fill(count_, 0.0f);
-  for (const ColorBin b : image.used()) count_[b] += 1;
-  const BinRows spread = smooth_histogram(count_, smooth_);
+  count_.clear();
+  count_.add(image.used());
   seen_bins_.clear();
-  const float total = static_cast<float>(image.used().size());
   std::ranges::fill(coarse_, 0.0f);
-  for (int row = 0; row < static_cast<int>(spread.size()); ++row) {
-    const int begin = row * kBinLevels, end = begin + kBinLevels;
-    seen_[row] = spread[row] && std::any_of(count_.begin() + begin, count_.begin() + end,
-                                            [](float c) { return c != 0; });
-    if (!spread[row]) continue;
-    float* const coarse_row = coarse_.data() + coarse(begin);
-    for (int i = 0; i < kBinLevels; i += 2)
-      coarse_row[i / 2] =
-          coarse_row[i / 2] + smooth_[begin + i] / total + smooth_[begin + i + 1] / total;
-    for (int i = begin; seen_[row] && i < end; ++i)
-      if (count_[i] > 0) seen_bins_.push_back(static_cast<ColorBin>(i));
-  }
-  for (const ColorBin i : seen_bins_)
-    scene_[i] = clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(smooth_[i] / total, 1e-6f)));
-}
-
-/// The learned hand against this scene, whatever it was learned before: how much more of a colour
-/// the hand has than the frame.
-void HandSearch::read_known(const BinImage& image, const SkinModel& skin) noexcept {
-  std::vector<float>& hand = count_;  // the frame's own are not needed any more
-  const float total = static_cast<float>(image.used().size());
-  const BinRows spread = smooth_histogram(skin.hand_count(), hand);
-  for (const ColorBin i : seen_bins_) {
-    const float share = spread[i / kBinLevels] ? hand[i] / skin.hand_total() : 0.0f;
-    known_[i] = clamp8(8 * std::log((share + 1e-6f) / (smooth_[i] / total + 1e-6f)));
+  const BinSmoothing smoothing;
+  BinPlane scene, hand;
+  for (int luma = 0; luma < kBinLevels; ++luma) {
+    count_.smooth(smoothing, luma, scene);
+    skin.learned_hand().smooth(smoothing, luma, hand);
+    for_each_row(scene.filled, [&](int row) {
+      const int begin = (luma * kBinLevels + row) * kBinLevels;
+      float* const coarse_row = coarse_.data() + coarse(begin);
+      for (int k = 0; k < kBinLevels; ++k) coarse_row[k / 2] += scene.rows[row][k] / count_.total();
+    });
+    for_each_row(count_.filled()[luma], [&](int row) {
+      for (int k = 0; k < kBinLevels; ++k) {
+        const int i = (luma * kBinLevels + row) * kBinLevels + k;
+        if (count_[static_cast<ColorBin>(i)] == 0) continue;
+        seen_bins_.push_back(static_cast<ColorBin>(i));
+        const float share = scene.rows[row][k] / count_.total();
+        scene_[i] = clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(share, 1e-6f)));
+        if (!skin.has_learned()) continue;
+        // However the hand was learned: how much more of a colour it has than this frame.
+        const float of_hand = hand.row(row)[k] / skin.learned_hand().total();
+        known_[i] = clamp8(8 * std::log((of_hand + 1e-6f) / (share + 1e-6f)));
+      }
+    });
   }
 }
 
@@ -240,18 +234,18 @@ void HandSearch::mark_bins(const BinImage& image, std::span<const Reading> readi
   for (std::size_t k = 0; k < readings.size(); ++k) {
     const Reading& reading = readings[k];
     if (reading.patch >= 0) read_patch(image, reading.patch);
-    for (int row = 0; row < static_cast<int>(seen_.size()); ++row) {
-      if (!seen_[row]) continue;
-      const int begin = row * kBinLevels;
-      std::uint32_t* const marks = marks_.data() + begin;
-      if (reading.patch >= 0) {
-        const bool* in_patch = in_patch_.data() + coarse(begin);
-        for (int i = 0; i < kBinLevels; ++i) marks[i] |= std::uint32_t{in_patch[i / 2]} << k;
-      } else {
-        mark_row(reading.channel->data() + begin, reading.below ? -1 : 1, reading.threshold,
-                 static_cast<int>(k), marks);
-      }
-    }
+    for (int luma = 0; luma < kBinLevels; ++luma)
+      for_each_row(count_.filled()[luma], [&](int row) {
+        const int begin = (luma * kBinLevels + row) * kBinLevels;
+        std::uint32_t* const marks = marks_.data() + begin;
+        if (reading.patch >= 0) {
+          const bool* in_patch = in_patch_.data() + coarse(begin);
+          for (int i = 0; i < kBinLevels; ++i) marks[i] |= std::uint32_t{in_patch[i / 2]} << k;
+        } else {
+          mark_row(reading.channel->data() + begin, reading.below ? -1 : 1, reading.threshold,
+                   static_cast<int>(k), marks);
+        }
+      });
   }
 }
 
@@ -354,10 +348,8 @@ bool HandSearch::find(const BinImage& image, const SkinModel& skin, HandShape& s
   // What was learned comes first in every frame; the other readings take turns.
   std::array<Reading, kMaxAtOnce> now;
   int learned = 0;
-  if (skin.has_learned()) {
-    read_known(image, skin);
+  if (skin.has_learned())
     for (const int t : {0, 6, 12}) now[learned++] = {&known_, t};
-  }
   const int room = static_cast<int>(masks_.size()) - learned;
   const int turns = std::min({config_.readings_per_frame, reading_count_, room});
   for (int k = 0; k < turns; ++k) now[learned + k] = readings_[(next_ + k) % reading_count_];

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "synthetic_hand.hpp"
 
@@ -157,22 +156,6 @@ TEST(SkinModel, ThePriorsAreProbabilitiesOverTheBins) {
     for (const std::uint8_t x : prior) total += std::exp(-x / 8.0);
     EXPECT_NEAR(total, 1, 0.03);
   }
-}
-
-TEST(SkinModel, SmoothingSpreadsEachChannelAndLosesNothing) {
-  std::vector<float> count(kBinCount), smooth(kBinCount);
-  const int inner = 10 << 10 | 20 << 5 | 6, corner = 0;
-  count[inner] = 64;
-  count[corner] = 64;
-  smooth_histogram(count, smooth);
-  EXPECT_FLOAT_EQ(smooth[inner], 8);
-  for (const int step : {1, 32, 1024}) {
-    EXPECT_FLOAT_EQ(smooth[inner + step], 4);
-    EXPECT_FLOAT_EQ(smooth[inner - step], 4);
-  }
-  EXPECT_FLOAT_EQ(smooth[inner + 1 + 32 + 1024], 1);
-  EXPECT_FLOAT_EQ(smooth[corner], 48) << "coarse chroma stays, luma spreads";
-  EXPECT_NEAR(std::accumulate(smooth.begin(), smooth.end(), 0.0), 128, 1e-3);
 }
 
 }  // namespace

@@ -67,7 +67,6 @@ class HandSearch {
     bool below = false;  ///< the channel's negative: a hand may lie on either side of a threshold
     int patch = -1;      ///< not a channel but the colours of this patch
   };
-  void read_known(const BinImage& image, const SkinModel& skin) noexcept;
   void read_scene(const BinImage& image, const SkinModel& skin) noexcept;
   void list_readings(const BinImage& image) noexcept;
   void add_levels(const Channel& channel, int levels) noexcept;
@@ -86,9 +85,8 @@ class HandSearch {
   Contour contour_;
   CurvatureFinder curvature_;
   Channel known_, prior_, scene_, luma_, red_, blue_;
-  std::vector<float> count_, smooth_;  ///< of the scene's colours
-  std::vector<ColorBin> seen_bins_;    ///< that the scene has; channels need no others
-  BinRows seen_{};                     ///< rows of bins that hold some of these
+  ColorHistogram count_;             ///< of the scene's colours
+  std::vector<ColorBin> seen_bins_;  ///< that the scene has; channels need no others
   std::vector<float> coarse_, patch_, patch_smooth_;
   std::array<bool, 4096> in_patch_{};
   std::array<Reading, 128> readings_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "handyar/color_bins.hpp"
+#include "handyar/color_histogram.hpp"
 
 namespace handyar {
 
@@ -45,11 +46,7 @@ class SkinModel {
   /// What was learned: all that changes from frame to frame.
   class Learned {
     friend class SkinModel;
-    struct Histogram {
-      std::vector<float> count;
-      float total = 0;
-    };
-    Histogram hand_, background_;
+    ColorHistogram hand_, background_;
     Ratios ratios_{};
     int frames_ = 0;
     int widening_ = 0;
@@ -74,8 +71,8 @@ class SkinModel {
 
   bool has_learned() const noexcept { return learned_.frames_ > 0; }
 
-  /// Keeps what was learned so far in `kept`, which takes memory the first time.
-  void keep(Learned& kept) const;
+  /// Keeps what was learned so far in `kept`.
+  void keep(Learned& kept) const noexcept;
   /// Back to what was kept.
   void restore(const Learned& kept) noexcept;
 
@@ -84,8 +81,7 @@ class SkinModel {
   static SkinColors colors_of(const Learned& learned);
 
   /// How often each bin was seen on the hand over the last frames.
-  std::span<const float> hand_count() const noexcept { return learned_.hand_.count; }
-  float hand_total() const noexcept { return learned_.hand_.total; }  ///< all bins together
+  const ColorHistogram& learned_hand() const noexcept { return learned_.hand_; }
 
   const Ratios& ratios() const noexcept { return learned_.ratios_; }
 
@@ -94,29 +90,15 @@ class SkinModel {
   std::span<const std::uint8_t> prior_other() const noexcept;
 
  private:
-  using Histogram = Learned::Histogram;
-  void accumulate(Histogram& histogram, std::span<const ColorBin> bins) noexcept;
   void rebuild() noexcept;
 
   SkinModelConfig config_;
-  std::vector<std::uint8_t> personal_;    // a table like the prior's; empty: none
-  std::array<float, 256> probability_{};  // of entries of such tables
-  Ratios prior_ratios_{};                 // before anything was learned
+  std::vector<std::uint8_t> personal_;  // a table like the prior's; empty: none
+  Ratios prior_ratios_{};               // before anything was learned
   Ratios unseen_{};  // of colours that were seen neither on the hand nor around it
   float hand_prior_ = 0, background_prior_ = 0;  // weights for which it was made
-  std::vector<float> hand_smooth_, background_smooth_;
   Learned learned_;
   std::uint32_t version_ = 0;
 };
-
-/// Rows of bins, all levels of the last channel: whether a row holds anything. A picture has few
-/// colours: most rows are empty.
-using BinRows = std::array<bool, kBinCount / kBinLevels>;
-
-/// Spreads each bin's count over its neighbours (`times` times binomial, 1 2 1, along each
-/// channel), so that few samples stand for the colours around them. Both have kBinCount entries.
-/// Returns which rows of `out` were written, the others are empty.
-BinRows smooth_histogram(std::span<const float> count, std::span<float> out,
-                         int times = 1) noexcept;
 
 }  // namespace handyar
