@@ -12,37 +12,55 @@ namespace {
 
 constexpr std::uint32_t bit(int level) { return std::uint32_t{1} << level; }
 
-constexpr std::uint32_t kFineRows = bit(kCoarseChroma) - bit(kFineChroma);
-
 using Row = BinPlane::Row;
 
-/// 1 2 1 along the fine levels of a row, the outermost mirrored.
-[[gnu::always_inline]] inline void smooth_along(Row& row) {
-  constexpr int kFirst = kFineChroma, kLast = kCoarseChroma - 1;
-  const Row at = row;
-  for (int k = kFirst; k <= kLast; ++k)
-    row[k] = 0.25f * at[k - 1] + 0.5f * at[k] + 0.25f * at[k + 1];
-  row[kFirst] = 0.75f * at[kFirst] + 0.25f * at[kFirst + 1];
-  row[kLast] = 0.25f * at[kLast - 1] + 0.75f * at[kLast];
+/// Levels of a channel that are smoothed among themselves: what would fall outside is mirrored.
+struct Levels {
+  int begin, end;
+
+  [[gnu::always_inline]] int mirrored(int level) const {
+    return level < begin ? 2 * begin - 1 - level : level >= end ? 2 * end - 1 - level : level;
+  }
+};
+constexpr Levels kLuma{0, kBinLevels}, kChroma{kFineChroma, kCoarseChroma};
+
+/// The fine levels of a row.
+[[gnu::always_inline]] inline void smooth_along(const BinSmoothing& s, int reach, Row& row) {
+  constexpr int kLevels = kCoarseChroma - kFineChroma;
+  std::array<float, 3 * kLevels> padded;  // from level kFineChroma - kLevels on
+  for (int k = 0; k < kLevels; ++k) padded[kLevels + k] = row[kFineChroma + k];
+  for (int k = 1; k <= reach; ++k) {
+    padded[kLevels - k] = padded[kLevels + k - 1];
+    padded[2 * kLevels - 1 + k] = padded[2 * kLevels - k];
+  }
+  std::array<float, kLevels> sum{};
+  for (int apart = -reach; apart <= reach; ++apart) {
+    const float weight = s.weight[std::abs(apart)];
+    const float* from = padded.data() + kLevels + apart;
+    for (int k = 0; k < kLevels; ++k) sum[k] += weight * from[k];
+  }
+  for (int k = 0; k < kLevels; ++k) row[kFineChroma + k] = sum[k];
 }
 
-/// The same across the rows of fine chroma.
-[[gnu::always_inline]] inline void smooth_across(BinPlane& plane) {
-  const std::uint32_t held = plane.filled & kFineRows;
-  const std::uint32_t reached = (held | held << 1 | held >> 1) & kFineRows;
-  for_each_row(reached & ~held, [&](int row) { plane.rows[row] = {}; });
-  plane.filled |= reached;
-  Row before{};  // the row below, as it was
-  int last = -1;
-  for_each_row(reached, [&](int row) {
-    const Row at = plane.rows[row];
-    const Row& below = row == kFineChroma ? at : last == row - 1 ? before : BinPlane::kEmpty;
-    const Row& above = row == kCoarseChroma - 1 ? at : plane.row(row + 1);
-    for (int k = 0; k < kBinLevels; ++k)
-      plane.rows[row][k] = 0.25f * below[k] + 0.5f * at[k] + 0.25f * above[k];
-    before = at;
-    last = row;
-  });
+/// The rows of fine chroma.
+[[gnu::always_inline]] inline void smooth_across(const BinSmoothing& s, int reach,
+                                                 BinPlane& plane) {
+  const std::uint32_t held = plane.filled & (bit(kCoarseChroma) - bit(kFineChroma));
+  std::array<Row, kBinLevels> before;
+  for_each_row(held, [&](int row) { before[row] = plane.rows[row]; });
+  for (int row = kChroma.begin; held != 0 && row < kChroma.end; ++row) {
+    const std::uint64_t reached = ((std::uint64_t{2} << 2 * reach) - 1) << row >> reach;
+    if ((held & reached) == 0) continue;
+    Row sum{};
+    for (int apart = -reach; apart <= reach; ++apart) {
+      const int from = kChroma.mirrored(row + apart);
+      if ((held & bit(from)) == 0) continue;
+      const float weight = s.weight[std::abs(apart)];
+      for (int k = 0; k < kBinLevels; ++k) sum[k] += weight * before[from][k];
+    }
+    plane.rows[row] = sum;
+    plane.filled |= bit(row);
+  }
 }
 
 /// Adds `weight` times the filled rows at `count` to the plane.
@@ -57,20 +75,25 @@ using Row = BinPlane::Row;
   plane.filled |= filled;
 }
 
-HANDYAR_VECTORISED void smooth_plane(const float* count, const ColorHistogram::Filled& filled,
-                                     const BinSmoothing& smoothing, int luma, BinPlane& out) {
+[[gnu::always_inline]] inline void smooth_plane(const float* count,
+                                                const ColorHistogram::Filled& filled,
+                                                const BinSmoothing& s, int reach, int luma,
+                                                BinPlane& out) {
   out.filled = 0;
-  const int times = smoothing.times;
-  for (int apart = -times; apart <= times; ++apart) {
-    const int to = luma + apart;
-    const int from = to < 0 ? -1 - to : to >= kBinLevels ? 2 * kBinLevels - 1 - to : to;
-    add_rows(count + from * kBinLevels * kBinLevels, filled[from],
-             smoothing.weight[std::abs(apart)], out);
+  for (int apart = -reach; apart <= reach; ++apart) {
+    const int from = kLuma.mirrored(luma + apart);
+    add_rows(count + from * kBinLevels * kBinLevels, filled[from], s.weight[std::abs(apart)], out);
   }
-  for (int time = 0; time < times; ++time) {
-    for_each_row(out.filled, [&](int row) { smooth_along(out.rows[row]); });
-    smooth_across(out);
-  }
+  for_each_row(out.filled, [&](int row) { smooth_along(s, reach, out.rows[row]); });
+  smooth_across(s, reach, out);
+}
+
+HANDYAR_VECTORISED void smooth_plane(const float* count, const ColorHistogram::Filled& filled,
+                                     const BinSmoothing& s, int luma, BinPlane& out) {
+  if (s.reach == 1)  // most often: loops of known length
+    smooth_plane(count, filled, s, 1, luma, out);
+  else
+    smooth_plane(count, filled, s, s.reach, luma, out);
 }
 
 HANDYAR_VECTORISED void decay_rows(float* count, float keep, ColorHistogram::Filled& filled) {
@@ -89,9 +112,9 @@ HANDYAR_VECTORISED void decay_rows(float* count, float keep, ColorHistogram::Fil
 
 }  // namespace
 
-BinSmoothing::BinSmoothing(int wanted) noexcept : times(std::clamp(wanted, 0, kMost)) {
+BinSmoothing::BinSmoothing(int times) noexcept : reach(std::clamp(times, 0, kMostReach)) {
   weight[0] = 1;
-  for (int time = 0; time < times; ++time) {
+  for (int time = 0; time < reach; ++time) {
     float before = weight[1];
     for (int apart = 0; apart <= time + 1; ++apart) {
       const float at = weight[apart];

@@ -10,11 +10,11 @@
 
 namespace handyar {
 
-/// Smoothing by 1 2 1, so many times.
+/// Smoothing by 1 2 1, so many times: the binomial weights of levels so far apart.
 struct BinSmoothing {
-  static constexpr int kMost = 15;  // times: less than a channel's levels
-  int times;
-  std::array<float, kMost + 3> weight{};  ///< of levels so far apart
+  static constexpr int kMostReach = 15;  // less than a channel's levels
+  int reach;
+  std::array<float, kMostReach + 3> weight{};
 
   explicit BinSmoothing(int times = 1) noexcept;
 };
