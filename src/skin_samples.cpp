@@ -5,6 +5,17 @@
 #include <cmath>
 
 namespace handyar {
+namespace {
+
+/// A word of row v: pixels that are set or have one two pixels away across or up.
+std::uint64_t near_region(const Mask& mask, int v, int word) {
+  const std::uint64_t *row = mask.row(v) + word, at = row[0];
+  const std::uint64_t before = word > 0 ? row[-1] : 0, after = row[1];
+  return at | at << 2 | at >> 2 | before >> 62 | after << 62 | mask.row(v - 2)[word] |
+         mask.row(v + 2)[word];
+}
+
+}  // namespace
 
 void sample_skin(const BinImage& image, const Mask* mask, const HandShape& shape,
                  SkinSamples& samples) noexcept {
@@ -41,17 +52,17 @@ void sample_skin(const BinImage& image, const Mask* mask, const HandShape& shape
   const int u1 = std::min(image.width - grid, int(around.max().x()));
   const int v1 = std::min(image.height - grid, int(around.max().y()));
   const HandReach reach(shape);
-  const auto region_near = [&](int u, int v) {
-    return mask == nullptr || mask->at(u, v) || mask->at(u - 2, v) || mask->at(u + 2, v) ||
-           mask->at(u, v - 2) || mask->at(u, v + 2);
-  };
-  for (int v = v0; v < v1; v += grid)
-    for (int u = u0; u < u1; u += grid) {
+  for (int v = v0; v < v1; v += grid) {
+    const ColorBin* const row = image.bins.data() + static_cast<std::size_t>(v) * image.width;
+    std::uint64_t near = ~std::uint64_t{0};
+    for (int u = u0, word = -1; u < u1; u += grid) {
+      if (mask != nullptr && u >> 6 != word) near = near_region(*mask, v, word = u >> 6);
       // What hangs together with the hand and yet cannot be a part of it is background too.
-      if (region_near(u, v) && reach.holds({float(u), float(v)})) continue;
-      if (samples.background.size() < samples.background.capacity())
-        samples.background.push_back(image.bins[static_cast<std::size_t>(v) * image.width + u]);
+      if ((near >> (u & 63) & 1) != 0 && reach.holds({float(u), float(v)})) continue;
+      if (samples.background.size() == SkinSamples::kMax) return;
+      samples.background.push_back(row[u]);
     }
+  }
 }
 
 }  // namespace handyar
