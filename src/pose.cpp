@@ -65,9 +65,10 @@ bool faces_camera(const Eigen::Isometry3d& T) {
   return -T.linear().col(2).dot(T.translation()) > kMinCos * T.translation().norm();
 }
 
-bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+/// Turned by less than `within` radians and moved by less than that share of the distance.
+bool near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double within) {
   const Vector6d d = difference(a, b);
-  return d.head<3>().norm() < 1e-3 && d.tail<3>().norm() < 1e-3 * a.translation().norm();
+  return d.head<3>().norm() < within && d.tail<3>().norm() < within * a.translation().norm();
 }
 
 /// Different poses in the neighbourhood of which the points are explained.
@@ -78,19 +79,26 @@ class Candidates {
 
   /// Refines from `start`; keeps the result unless it is known already.
   void add(const Eigen::Isometry3d& start) {
+    constexpr double kSame = 1e-3;
     if (!faces_camera(start)) return;
     const std::optional<FittedPose> fit = refine(points_, camera_, huber_, start);
-    if (fit && faces_camera(fit->T_camera_hand) && !knows(fit->T_camera_hand))
+    if (fit && faces_camera(fit->T_camera_hand) && !knows(fit->T_camera_hand, kSame))
       fits_[count_++] = *fit;
+  }
+
+  /// Some result lies so near that refining from here would give it again.
+  bool knows_basin_of(const Eigen::Isometry3d& start) const {
+    constexpr double kBasin = 0.05;
+    return knows(start, kBasin);
   }
 
   const FittedPose* begin() const { return fits_.data(); }
   const FittedPose* end() const { return fits_.data() + count_; }
 
  private:
-  bool knows(const Eigen::Isometry3d& T) const {
+  bool knows(const Eigen::Isometry3d& T, double within) const {
     return std::any_of(begin(), end(),
-                       [&](const FittedPose& f) { return same(f.T_camera_hand, T); });
+                       [&](const FittedPose& f) { return near(f.T_camera_hand, T, within); });
   }
 
   const PosePoints& points_;
@@ -116,7 +124,8 @@ Hypotheses solve(const PosePoints& points, const Camera& camera, double huber,
 
   Candidates candidates(points, camera, huber);
   for (const PlanarPose& p : *planar) candidates.add(p.T_camera_plane);
-  if (prior.prediction) candidates.add(prior.prediction->T_camera_hand);
+  if (prior.prediction && !candidates.knows_basin_of(prior.prediction->T_camera_hand))
+    candidates.add(prior.prediction->T_camera_hand);
 
   // Where even the best fits badly, the noise is larger than stated and residuals decide less.
   double inflation = std::numeric_limits<double>::infinity();

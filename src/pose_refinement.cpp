@@ -36,15 +36,18 @@ Eigen::Vector3d seen_m(const PosePoint& p, const Eigen::Isometry3d& T) {
 struct Linearised {
   Matrix6d H = Matrix6d::Zero();  ///< J' W J
   Vector6d g = Vector6d::Zero();  ///< J' W r
-  Matrix6d N = Matrix6d::Zero();  ///< covariance of g from pixel noise
   double cost = 0, chi2 = 0;
   double tips = 0, tips_px2 = 0;  ///< weights of fingertips by pixel noise; of them and residuals
-  std::array<Eigen::Matrix2d, kMaxPosePoints> information;  ///< of each residual, per px^2
+  // Of each point:
+  std::array<Eigen::Matrix2d, kMaxPosePoints> information;      ///< of the residual, per px^2
+  std::array<Eigen::Matrix<double, 6, 2>, kMaxPosePoints> JtW;  ///< its share of J' W
 };
 
 bool linearise(const PosePoints& points, const Camera& camera, double huber,
                const Eigen::Isometry3d& T, Linearised& out) {
-  out = Linearised{};
+  out.H.setZero();
+  out.g.setZero();
+  out.cost = out.chi2 = out.tips = out.tips_px2 = 0;
   for (int i = 0; i < points.count; ++i) {
     const PosePoint& p = points.at[i];
     Eigen::Vector2d r;
@@ -56,10 +59,10 @@ bool linearise(const PosePoints& points, const Camera& camera, double huber,
     S.diagonal().array() += p.sigma_px * p.sigma_px;
     const Eigen::Matrix2d information = S.inverse();
     const double s2 = r.dot(information * r);
-    const Eigen::Matrix<double, 6, 2> JtW = J.transpose() * (huber_weight(s2, huber) * information);
+    Eigen::Matrix<double, 6, 2>& JtW = out.JtW[i];
+    JtW.noalias() = J.transpose() * (huber_weight(s2, huber) * information);
     out.H.noalias() += JtW * J;
     out.g.noalias() += JtW * r;
-    out.N.noalias() += p.sigma_px * p.sigma_px * JtW * JtW.transpose();
     out.cost += huber_cost(s2, huber);
     out.chi2 += s2;
     if (p.finger >= 0) {
@@ -105,7 +108,10 @@ std::optional<FittedPose> fit_at(const PosePoints& points, const Camera& camera,
   fit.covariance = ldlt.solve(Matrix6d::Identity());
   fit.covariance = 0.5 * (fit.covariance + fit.covariance.transpose()).eval();
   if (!fit.covariance.allFinite()) return std::nullopt;
-  fit.noise_covariance = fit.covariance * at.N * fit.covariance;
+  Matrix6d noise = Matrix6d::Zero();  // covariance of g from pixel noise
+  for (int i = 0; i < points.count; ++i)
+    noise += points.at[i].sigma_px * points.at[i].sigma_px * at.JtW[i] * at.JtW[i].transpose();
+  fit.noise_covariance = fit.covariance * noise * fit.covariance;
   fit.deviance = at.cost;
   fit.chi2 = at.chi2;
   fit.rms_px = at.tips > 0 ? std::sqrt(at.tips_px2 / at.tips) : 0;
@@ -156,7 +162,9 @@ std::optional<FittedPose> refine(const PosePoints& points, const Camera& camera,
     if (!linearise(points, camera, huber, T, at)) return std::nullopt;
     Matrix6d damped = at.H;
     damped.diagonal() *= 1 + damping;
-    const Vector6d step = damped.ldlt().solve(at.g);
+    const Eigen::LLT<Matrix6d> llt(damped);
+    if (llt.info() != Eigen::Success) return std::nullopt;
+    const Vector6d step = llt.solve(at.g);
     if (!step.allFinite()) return std::nullopt;
     const Eigen::Isometry3d next = moved(T, step);
     const double gain = at.g.dot(step);  // in squared standard deviations, to first order
