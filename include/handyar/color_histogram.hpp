@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -64,7 +65,7 @@ class ColorHistogram {
 /// Calls `visit(row)` for each bit of `filled`, a plane's or a histogram's of one luma.
 template <class Visit>
 [[gnu::always_inline]] inline void for_each_row(std::uint32_t filled, const Visit& visit) {
-  for (; filled != 0; filled &= filled - 1) visit(__builtin_ctz(filled));
+  for (; filled != 0; filled &= filled - 1) visit(std::countr_zero(filled));
 }
 
 }  // namespace handyar
