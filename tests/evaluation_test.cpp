@@ -127,6 +127,8 @@ TEST(Accuracy, AnExactTrackHasNoError) {
   EXPECT_LT(a.rotation_deg.max, 1e-4);
   EXPECT_LT(a.translation_mm.max, 1e-9);
   EXPECT_LT(a.board_px.max, 1e-6);
+  EXPECT_LT(a.palm_px.max, 1e-6);
+  EXPECT_EQ(a.palm_within_8px, 1);
 }
 
 TEST(Accuracy, KnownErrorsComeOutAsTheyWentIn) {
@@ -143,6 +145,7 @@ TEST(Accuracy, KnownErrorsComeOutAsTheyWentIn) {
   EXPECT_NEAR(a.rotation_deg.median, 2, 1e-6);
   EXPECT_NEAR(a.translation_mm.median, 5, 1e-9);
   EXPECT_GT(a.board_px.median, 3.0);
+  EXPECT_GT(a.palm_px.median, 3.0) << "0.003 m at arm's length";
   EXPECT_LT(a.board_raw_px.max, 1e-6) << "the raw pose was left alone";
 }
 

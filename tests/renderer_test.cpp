@@ -241,7 +241,7 @@ struct OverlayTest : RendererTest {
   cv::Vec3b step(double time_s, const std::optional<Isometry3d>& T_camera_hand, Layout layout) {
     cv::Mat bgr = frame();
     overlay.draw(bgr, camera, time_s, T_camera_hand, hand.for_layout(layout), mask());
-    return at(bgr, hand_at(0.45) * Vector3d(0, palm_centre_m(hand).y(), 0.05));
+    return at(bgr, hand_at(0.45) * Vector3d(0, hand.palm_centre_m().y(), 0.05));
   }
 };
 
@@ -297,7 +297,7 @@ TEST_F(OverlayTest, StandsOnThePalmPoint) {
     cv::absdiff(bgr, frame(), bgr);
     cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
     const cv::Moments m = cv::moments(gray);
-    const Vector2d px = camera.project(T * palm_centre_m(hand));
+    const Vector2d px = camera.project(T * hand.palm_centre_m());
     EXPECT_LT((Vector2d(m.m10, m.m01) / m.m00 - px).norm(), 3) << "tilt " << tilt;
   }
 }

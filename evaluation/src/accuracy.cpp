@@ -75,6 +75,10 @@ class Comparison {
       const Eigen::Isometry3d T = r.pose->T_camera_hand * T_model_hand;
       e.filtered = pose_error(T, r.pose->covariance, f.T_camera_hand);
       e.board_filtered_px = board_px(f, T);
+      const Eigen::Vector3d palm_m = truth_.hand.palm_centre_m();
+      e.palm_px =
+          (truth_.camera.project(T * palm_m) - truth_.camera.project(f.T_camera_hand * palm_m))
+              .norm();
     }
     return e;
   }
@@ -101,13 +105,13 @@ Summary summarize_counted(std::span<const FrameError> errors,
   return summarize(v);
 }
 
-double share_within_95(std::span<const FrameError> errors, PoseError FrameError::*pose) {
+double share_within(double limit, std::span<const FrameError> errors,
+                    const std::function<double(const FrameError&)>& value) {
   int n = 0, within = 0;
   for (const FrameError& e : errors) {
-    const double nees = (e.*pose).nees;
-    if (!e.counted() || std::isnan(nees)) continue;
+    if (!e.counted() || std::isnan(value(e))) continue;
     ++n;
-    within += nees <= kChiSquare6At95;
+    within += value(e) <= limit;
   }
   return n ? double(within) / n : kUnknown;
 }
@@ -164,8 +168,11 @@ Accuracy summarize(std::span<const FrameError> errors) {
   a.board_raw_px = over([](const FrameError& e) { return e.board_raw_px; });
   a.nees = over([](const FrameError& e) { return e.filtered.nees; });
   a.nees_raw = over([](const FrameError& e) { return e.raw.nees; });
-  a.nees_within_95 = share_within_95(errors, &FrameError::filtered);
-  a.nees_raw_within_95 = share_within_95(errors, &FrameError::raw);
+  const auto share = [&](double limit, auto value) { return share_within(limit, errors, value); };
+  a.palm_px = over([](const FrameError& e) { return e.palm_px; });
+  a.palm_within_8px = share(8, [](const FrameError& e) { return e.palm_px; });
+  a.nees_within_95 = share(kChiSquare6At95, [](const FrameError& e) { return e.filtered.nees; });
+  a.nees_raw_within_95 = share(kChiSquare6At95, [](const FrameError& e) { return e.raw.nees; });
   return a;
 }
 

@@ -69,6 +69,12 @@ struct HandModel {
   /// Unit directions in the hand plane in which the valleys open: halfway between their fingers.
   Eigen::Matrix<double, 3, kValleyCount> valley_directions() const noexcept;
 
+  /// Where an object stands: the middle of the palm (or of the back of the hand). The hand frame's
+  /// origin lies at the height of the thumb tip, where the fingers begin; from there the palm
+  /// reaches towards the wrist about as far as the middle finger reaches up, and its middle is 0.3
+  /// of the middle fingertip's y below the origin.
+  Eigen::Vector3d palm_centre_m() const noexcept { return {0, -0.3 * tips_m(1, 2), 0}; }
+
   /// Distance from thumb tip to little fingertip.
   double span_m() const noexcept { return (tips_m.col(0) - tips_m.col(4)).norm(); }
 };

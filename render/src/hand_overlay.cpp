@@ -5,14 +5,9 @@
 
 namespace handyar::render {
 
-Eigen::Vector3d palm_centre_m(const HandModel& hand) {
-  constexpr int kMiddle = static_cast<int>(Finger::middle);
-  return {0, -0.3 * hand.tips_m(1, kMiddle), 0};
-}
-
 Eigen::Isometry3d T_hand_object(const HandModel& hand) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.translation() = palm_centre_m(hand);
+  T.translation() = hand.palm_centre_m();
   T.linear() = Eigen::AngleAxisd(-M_PI_2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   return T;
 }
@@ -39,7 +34,7 @@ void HandOverlay::draw(cv::Mat& frame_bgr, const Camera& camera, double time_s,
                        const std::optional<Eigen::Isometry3d>& T_camera_hand, const HandModel& hand,
                        const HandMask& mask) {
   const Camera seen_by = camera.scaled_to(frame_bgr.cols, frame_bgr.rows);
-  const bool here = T_camera_hand && on_hand(*T_camera_hand * palm_centre_m(hand), mask, seen_by);
+  const bool here = T_camera_hand && on_hand(*T_camera_hand * hand.palm_centre_m(), mask, seen_by);
   presence_.update(time_s, here ? T_camera_hand : std::nullopt,
                    here ? std::optional(hand.layout) : std::nullopt);
   const Presence::Sighting seen = presence_.sighting();

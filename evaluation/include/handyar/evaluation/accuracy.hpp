@@ -37,6 +37,8 @@ struct FrameError {
   PoseError raw, filtered;
   double board_raw_px = kUnknown;  ///< rms at the board's corners, hand-to-board known from truth
   double board_filtered_px = kUnknown;
+  double palm_px =
+      kUnknown;  ///< of the palm's middle, where an object stands, by the filtered pose
 
   /// Whether the frame's errors count: tracked when it should be, and not wrong.
   bool counted() const { return eligible && tracked && !wrong; }
@@ -57,7 +59,8 @@ struct Accuracy {
   Summary tip_px, tip_of_span;
   std::array<Summary, kFingerCount> finger_px;
   Summary rotation_deg, rotation_raw_deg, translation_mm, translation_raw_mm, translation_percent;
-  Summary board_px, board_raw_px;
+  Summary board_px, board_raw_px, palm_px;
+  double palm_within_8px = kUnknown;  ///< share
   Summary nees, nees_raw;
   double nees_within_95 = kUnknown, nees_raw_within_95 = kUnknown;  ///< share; honest: 0.95
 

@@ -10,14 +10,9 @@
 
 namespace handyar::render {
 
-/// Where an object stands: the middle of the palm (or of the back of the hand), in the hand frame.
-/// The hand frame's origin lies at the height of the thumb tip, where the fingers begin; from there
-/// the palm reaches towards the wrist about as far as the middle finger reaches up, and its middle
-/// is 0.3 of the middle fingertip's y below the origin.
-Eigen::Vector3d palm_centre_m(const HandModel& hand);
-
-/// The frame of an object that stands on the hand: origin at palm_centre_m, +z out of the visible
-/// face, +x (which models look along) towards the wrist, to meet the eye of who holds the hand.
+/// The frame of an object that stands on the hand: origin at its palm_centre_m(), +z out of the
+/// visible face, +x (which models look along) towards the wrist, to meet the eye of who holds the
+/// hand.
 Eigen::Isometry3d T_hand_object(const HandModel& hand);
 
 /// One object standing on the tracked hand: for `track --model` and the demo.
@@ -38,8 +33,8 @@ class HandOverlay {
     draw(frame_bgr, camera, result.time_s, T_camera_hand, tracker.hand(), tracker.mask());
   }
 
-  /// The same from its parts. `T_camera_hand` empty, or its palm beside the mask: no hand, the object
-  /// fades out.
+  /// The same from its parts. `T_camera_hand` empty, or its palm beside the mask: no hand, the
+  /// object fades out.
   void draw(cv::Mat& frame_bgr, const Camera& camera, double time_s,
             const std::optional<Eigen::Isometry3d>& T_camera_hand, const HandModel& hand,
             const HandMask& mask);
