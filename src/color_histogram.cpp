@@ -82,7 +82,7 @@ constexpr Levels kLuma{0, kBinLevels}, kChroma{kFineChroma, kCoarseChroma};
   out.filled = 0;
   for (int apart = -reach; apart <= reach; ++apart) {
     const int from = kLuma.mirrored(luma + apart);
-    add_rows(count + from * kBinLevels * kBinLevels, filled[from], s.weight[std::abs(apart)], out);
+    add_rows(count + first_bin(from, 0), filled[from], s.weight[std::abs(apart)], out);
   }
   for_each_row(out.filled, [&](int row) { smooth_along(s, reach, out.rows[row]); });
   smooth_across(s, reach, out);
@@ -129,7 +129,7 @@ ColorHistogram& ColorHistogram::operator=(const ColorHistogram& other) noexcept 
   clear();
   for (int luma = 0; luma < kBinLevels; ++luma)
     for_each_row(other.filled_[luma], [&](int row) {
-      const int first = (luma * kBinLevels + row) * kBinLevels;
+      const int first = first_bin(luma, row);
       std::copy_n(other.count_.begin() + first, kBinLevels, count_.begin() + first);
     });
   filled_ = other.filled_;
@@ -140,7 +140,7 @@ ColorHistogram& ColorHistogram::operator=(const ColorHistogram& other) noexcept 
 void ColorHistogram::clear() noexcept {
   for (int luma = 0; luma < kBinLevels; ++luma)
     for_each_row(filled_[luma], [&](int row) {
-      std::fill_n(count_.begin() + (luma * kBinLevels + row) * kBinLevels, kBinLevels, 0.0f);
+      std::fill_n(count_.begin() + first_bin(luma, row), kBinLevels, 0.0f);
     });
   filled_ = {};
   total_ = 0;
@@ -149,14 +149,14 @@ void ColorHistogram::clear() noexcept {
 void ColorHistogram::add(std::span<const ColorBin> bins) noexcept {
   for (const ColorBin b : bins) {
     count_[b] += 1;
-    filled_[b / (kBinLevels * kBinLevels)] |= bit(b / kBinLevels % kBinLevels);
+    mark(b);
   }
   total_ += static_cast<float>(bins.size());
 }
 
 void ColorHistogram::add(ColorBin bin, float weight) noexcept {
   count_[bin] += weight;
-  filled_[bin / (kBinLevels * kBinLevels)] |= bit(bin / kBinLevels % kBinLevels);
+  mark(bin);
   total_ += weight;
 }
 

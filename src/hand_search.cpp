@@ -131,13 +131,13 @@ void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexce
     count_.smooth(smoothing, luma, scene);
     skin.learned_hand().smooth(smoothing, luma, hand);
     for_each_row(scene.filled, [&](int row) {
-      const int begin = (luma * kBinLevels + row) * kBinLevels;
+      const int begin = first_bin(luma, row);
       float* const coarse_row = coarse_.data() + coarse(begin);
       for (int k = 0; k < kBinLevels; ++k) coarse_row[k / 2] += scene.rows[row][k] / count_.total();
     });
     for_each_row(count_.filled()[luma], [&](int row) {
       for (int k = 0; k < kBinLevels; ++k) {
-        const int i = (luma * kBinLevels + row) * kBinLevels + k;
+        const int i = first_bin(luma, row) + k;
         if (count_[static_cast<ColorBin>(i)] == 0) continue;
         seen_bins_.push_back(static_cast<ColorBin>(i));
         const float share = scene.rows[row][k] / count_.total();
@@ -236,7 +236,7 @@ void HandSearch::mark_bins(const BinImage& image, std::span<const Reading> readi
     if (reading.patch >= 0) read_patch(image, reading.patch);
     for (int luma = 0; luma < kBinLevels; ++luma)
       for_each_row(count_.filled()[luma], [&](int row) {
-        const int begin = (luma * kBinLevels + row) * kBinLevels;
+        const int begin = first_bin(luma, row);
         std::uint32_t* const marks = marks_.data() + begin;
         if (reading.patch >= 0) {
           const bool* in_patch = in_patch_.data() + coarse(begin);

@@ -72,6 +72,7 @@ struct RowShares {
   float count_weight, prior_weight;
 };
 
+/// Ratios of a row of bins.
 HANDYAR_VECTORISED void mix_row(const RowShares& hand, const RowShares& background,
                                 std::int8_t* __restrict out) {
   constexpr float kLimit = 32;
@@ -163,7 +164,7 @@ void SkinModel::rebuild() noexcept {
   Part hand(learned_.hand_, 1 + learned_.widening_, config_.hand_prior_weight);
   Part background(learned_.background_, 1, config_.background_prior_weight);
   const auto mix = [&](int luma, int row, Ratios& ratios) {
-    const int first = (luma * kBinLevels + row) * kBinLevels;
+    const int first = first_bin(luma, row);
     const auto part = [&](const Part& p, std::span<const std::uint8_t> table) {
       return RowShares{p.plane.row(row).data(), table.data() + first, p.scale, p.prior};
     };

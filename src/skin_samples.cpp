@@ -25,7 +25,7 @@ void sample_skin(const BinImage& image, const Mask* mask, const HandShape& shape
     if (!(p.x() >= 0) || !(p.y() >= 0)) return;
     const int u = static_cast<int>(p.x() + 0.5f), v = static_cast<int>(p.y() + 0.5f);
     if (u >= image.width || v >= image.height) return;
-    if (samples.hand.size() < samples.hand.capacity())
+    if (samples.hand.size() < SkinSamples::kMax)
       samples.hand.push_back(image.bins[static_cast<std::size_t>(v) * image.width + u]);
   };
   // Inside by geometry rather than by the mask, so that a mask that leaked teaches nothing.

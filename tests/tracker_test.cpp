@@ -99,6 +99,7 @@ TEST(Tracker, GoesThroughItsStates) {
   const double again_s = film.until(State::tracking, 1);
   EXPECT_LT(again_s, 0.3);
   EXPECT_LT(again_s, first_s) << "what is known of the hand speeds it up";
+  EXPECT_LT(film.worst_tip_px(), 1.5);
   double mean_px = 0;  // of the worst tip: that of one frame says little
   for (int i = 0; i < 20; ++i, film.next()) mean_px += film.worst_tip_px() / 20;
   EXPECT_LT(mean_px, 1.5);

@@ -20,6 +20,11 @@ struct BinSmoothing {
   explicit BinSmoothing(int times = 1) noexcept;
 };
 
+/// The first bin of a row: of one luma and yellowness, all rednesses.
+constexpr int first_bin(int luma, int row) noexcept {
+  return (luma * kBinLevels + row) * kBinLevels;
+}
+
 /// The bins of one luma. A row of them has one yellowness and all rednesses.
 struct BinPlane {
   using Row = std::array<float, kBinLevels>;
@@ -57,6 +62,10 @@ class ColorHistogram {
   void smooth(const BinSmoothing& smoothing, int luma, BinPlane& out) const noexcept;
 
  private:
+  void mark(ColorBin bin) noexcept {
+    filled_[bin / (kBinLevels * kBinLevels)] |= std::uint32_t{1} << bin / kBinLevels % kBinLevels;
+  }
+
   std::vector<float> count_;
   Filled filled_{};
   float total_ = 0;

@@ -73,7 +73,10 @@ struct HandModel {
   /// origin lies at the height of the thumb tip, where the fingers begin; from there the palm
   /// reaches towards the wrist about as far as the middle finger reaches up, and its middle is 0.3
   /// of the middle fingertip's y below the origin.
-  Eigen::Vector3d palm_centre_m() const noexcept { return {0, -0.3 * tips_m(1, 2), 0}; }
+  Eigen::Vector3d palm_centre_m() const noexcept {
+    constexpr int kMiddle = static_cast<int>(Finger::middle);
+    return {0, -0.3 * tips_m(1, kMiddle), 0};
+  }
 
   /// Distance from thumb tip to little fingertip.
   double span_m() const noexcept { return (tips_m.col(0) - tips_m.col(4)).norm(); }

@@ -37,8 +37,7 @@ struct FrameError {
   PoseError raw, filtered;
   double board_raw_px = kUnknown;  ///< rms at the board's corners, hand-to-board known from truth
   double board_filtered_px = kUnknown;
-  double palm_px =
-      kUnknown;  ///< of the palm's middle, where an object stands, by the filtered pose
+  double palm_px = kUnknown;  ///< of the middle of the palm, by the filtered pose
 
   /// Whether the frame's errors count: tracked when it should be, and not wrong.
   bool counted() const { return eligible && tracked && !wrong; }
