@@ -85,10 +85,12 @@ void learn_skin(benchmark::State& state) {
 
 void search_whole_frame(benchmark::State& state) {
   const cv::Mat& picture = clip().frames.back();
-  HandSearch search({}, {}, {});
+  MaskStages stages;
+  HandSearch search(stages);
   BinImage bins;
   bins.bins.resize(static_cast<std::size_t>(picture.rows) * picture.cols / 4);
   read_bins(view(picture), {0, 0, picture.cols, picture.rows}, 2, bins);
+  stages.reserve(bins.width * bins.height);
   search.reserve(bins.width * bins.height);
   const SkinModel skin;
   HandShape shape;

@@ -129,12 +129,7 @@ HANDYAR_VECTORISED void read_nv12(const ImageView& frame, BinImage& out) {
 }  // namespace
 
 Eigen::Vector3d rgb_of(ColorBin bin) noexcept {
-  const auto chroma = [](int level) {
-    return level < kFineChroma     ? 32 * level - 120.0
-           : level < kCoarseChroma ? 2 * level - 15.0
-                                   : 32 * level - 840.0;
-  };
-  const double y = (bin >> 10) * 8 + 4.0, cb = -chroma(bin >> 5 & 31), cr = chroma(bin & 31);
+  const auto [y, cb, cr] = ycbcr_of(bin);
   return {y + 1.402 * cr, y - 0.344136 * cb - 0.714136 * cr, y + 1.772 * cb};
 }
 

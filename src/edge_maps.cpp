@@ -62,7 +62,7 @@ int EdgeMaps::edge_at(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) c
 }
 
 /// Mean luma, yellowness and redness.
-void EdgeMaps::read_colors(const BinImage& image, int width, int height) noexcept {
+void EdgeMaps::read_colors(const BinView& image, int width, int height) noexcept {
   constexpr int kShift = 40;
   constexpr std::uint64_t kOne = std::uint64_t{1} << kShift;
   const int least = static_cast<int>(scale_);  // bins of a pixel across, or one or two more
@@ -81,7 +81,7 @@ void EdgeMaps::read_colors(const BinImage& image, int width, int height) noexcep
       std::uint64_t luma = 0, yellowness = 0, redness = 0;
       for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
-          const ColorBin b = image.bins[static_cast<std::size_t>(y) * image.width + x];
+          const ColorBin b = image.at(x, y);
           luma += b >> 10;
           yellowness += b >> 5 & 31;
           redness += b & 31;
@@ -94,7 +94,7 @@ void EdgeMaps::read_colors(const BinImage& image, int width, int height) noexcep
   }
 }
 
-bool EdgeMaps::read(const BinImage& image, float scale) noexcept {
+bool EdgeMaps::read(const BinView& image, float scale) noexcept {
   const int w = static_cast<int>(static_cast<float>(image.width) / scale);
   const int h = static_cast<int>(static_cast<float>(image.height) / scale);
   const int width = (w + 2 * kMargin + 1) & ~1, height = h + 2 * kMargin, size = width * height;

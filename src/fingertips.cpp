@@ -31,6 +31,12 @@ HANDYAR_VECTORISED void add_convexity(const float* x, const float* y, int n, int
 
 }  // namespace
 
+void MaskStages::reserve(int max_pixels, int max_side) {
+  constexpr int kMaxContour = 1 << 13;  // points; no hand has more
+  region.reserve(max_pixels, max_side);
+  contour.reserve(kMaxContour);
+}
+
 CurvatureFinder::CurvatureFinder(const FingertipConfig& config)
     : config_(config),
       samples_(kMaxSamples),

@@ -44,7 +44,7 @@ void RegionFinder::reserve(int max_pixels, int max_side) {
   distance_.resize((2 * kDeepestAcross + 2) * (2 * kDeepestAcross + 2));
 }
 
-HANDYAR_VECTORISED void RegionFinder::classify(const BinImage& image,
+HANDYAR_VECTORISED void RegionFinder::classify(const BinView& image,
                                                std::span<const std::int8_t> ratios,
                                                const ExpectedRegion& expected) noexcept {
   const int w = image.width, h = image.height;
@@ -55,7 +55,7 @@ HANDYAR_VECTORISED void RegionFinder::classify(const BinImage& image,
   const auto sum_row = [&](int v) __attribute__((always_inline)) {
     // Looked up one by one, summed in vectors.
     std::int16_t* __restrict to = rows_[v % 3].data(), * __restrict ratio = looked_up_.data() + 1;
-    const ColorBin* bin = image.bins.data() + static_cast<std::ptrdiff_t>(v) * w;
+    const ColorBin* bin = image.row(v);
     for (int u = 0; u < w; ++u) ratio[u] = table[bin[u]];
     ratio[-1] = ratio[0];
     ratio[w] = ratio[w - 1];
@@ -68,7 +68,7 @@ HANDYAR_VECTORISED void RegionFinder::classify(const BinImage& image,
     const int up = std::max(v - 1, 0), down = std::min(v + 1, h - 1);
     const std::int16_t *above = rows_[up % 3].data(), *at = rows_[v % 3].data(),
                        *below = rows_[down % 3].data();
-    const ColorBin* bins = image.bins.data() + static_cast<std::ptrdiff_t>(v) * w;
+    const ColorBin *bins = image.row(v), *bins_up = image.row(up), *bins_down = image.row(down);
     std::uint8_t *to = flags_.data(), *colored = colored_flags_.data();
     const std::int8_t* place = expected.row(v);
     for (int u = 0; u < w; ++place) {
@@ -85,7 +85,7 @@ HANDYAR_VECTORISED void RegionFinder::classify(const BinImage& image,
           if (sum <= limit) continue;
           const int edge =
               std::max(color_step(bins[std::max(u - 1, 0)], bins[std::min(u + 1, w - 1)]),
-                       color_step(bins[u + (up - v) * w], bins[u + (down - v) * w]));
+                       color_step(bins_up[u], bins_down[u]));
           to[u] = sum > limit + 9 * kEdgeRatio * (edge - 1);
         }
       }
@@ -109,7 +109,7 @@ void RegionFinder::grow_back(int radius) noexcept {
   intersect(mask_, colored_);
 }
 
-const Component* RegionFinder::segment(const BinImage& image, std::span<const std::int8_t> ratios,
+const Component* RegionFinder::segment(const BinView& image, std::span<const std::int8_t> ratios,
                                        const ExpectedRegion& expected, const Eigen::Vector2f& palm,
                                        float finger_width, int min_area) noexcept {
   classify(image, ratios, expected);

@@ -18,7 +18,23 @@ constexpr int kPatchColumns = 10, kPatchRows = 8, kTriedPatches = 24;
 
 int coarse(int bin) { return (bin >> 11) << 8 | ((bin >> 6) & 15) << 4 | ((bin >> 1) & 15); }
 
-std::int8_t clamp8(double x) { return static_cast<std::int8_t>(std::clamp(x, -127.0, 127.0)); }
+constexpr std::int8_t clamp8(double x) {
+  return static_cast<std::int8_t>(std::clamp(x, -127.0, 127.0));
+}
+
+/// What else than a ratio is read of a colour: a sum of Y, Cb and Cr, bin by bin.
+constexpr std::array<std::int8_t, kBinCount> channel(double of_y, double of_cb, double of_cr,
+                                                     double offset) {
+  std::array<std::int8_t, kBinCount> out{};
+  for (int i = 0; i < kBinCount; ++i) {
+    const auto [y, cb, cr] = ycbcr_of(static_cast<ColorBin>(i));
+    out[i] = clamp8(of_y * y + of_cb * cb + of_cr * cr + offset);
+  }
+  return out;
+}
+constexpr auto kLuma = channel(1, 0, 0, -128);
+constexpr auto kRedness = channel(0, 0.344136, 2.116136, 0);    // R - G
+constexpr auto kBlueness = channel(0, 1.944068, -0.343932, 0);  // B - (R + G) / 2
 
 // Bounds that a hand of five spread fingers keeps with a wide margin; they spare most regions a
 // closer look. Lobed: the squared length of the boundary over that of a disc of the same area.
@@ -71,6 +87,16 @@ HANDYAR_VECTORISED void transpose(std::array<MarksOfBlocks, 32>& words) {
       }
 }
 
+/// The part of the image that holds a hand and its surroundings.
+BinView around(const BinView& image, const HandShape& hand) {
+  const Eigen::AlignedBox2f box = hand.bounds();
+  const int margin = static_cast<int>(hand.palm_radius());
+  const int u0 = std::clamp(int(box.min().x()) - margin, 0, image.width);
+  const int v0 = std::clamp(int(box.min().y()) - margin, 0, image.height);
+  return image.part(u0, v0, std::clamp(int(box.max().x()) + margin, u0, image.width),
+                    std::clamp(int(box.max().y()) + margin, v0, image.height));
+}
+
 HandShapeConfig shape_to_look_for(const HandSearchConfig& config, HandShapeConfig shape) {
   shape.max_deviation = config.max_deviation;
   return shape;
@@ -78,12 +104,12 @@ HandShapeConfig shape_to_look_for(const HandSearchConfig& config, HandShapeConfi
 
 }  // namespace
 
-HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fingertips,
+HandSearch::HandSearch(MaskStages& stages, const HandSearchConfig& config,
                        const HandShapeConfig& shape, const HandShapeModel& model)
-    : config_(config),
+    : stages_(stages),
+      config_(config),
       shape_config_(shape_to_look_for(config, shape)),
       shape_model_(model),
-      curvature_(fingertips),
       coarse_(kCoarseCount),
       patch_(kCoarseCount),
       patch_smooth_(kCoarseCount),
@@ -95,13 +121,10 @@ HandSearch::HandSearch(const HandSearchConfig& config, const FingertipConfig& fi
 HandSearch::~HandSearch() = default;
 
 void HandSearch::reserve(int max_pixels, int max_side) {
-  region_.reserve(max_pixels, max_side);
   for (Mask& mask : masks_) mask.reserve(max_pixels, max_side);
   for (Mask* mask : {&scratch_mask_, &found_mask_}) mask->reserve(max_pixels, max_side);
-  around_.bins.resize(max_pixels);
   outlines_.reserve(max_pixels, max_side);
   expectation_.ratios.resize(max_pixels / 4 + max_side);
-  contour_.reserve(1 << 12);
   seen_bins_.reserve(kBinCount);
 }
 
@@ -110,37 +133,29 @@ void HandSearch::reset() noexcept {
   outlines_.reset();
 }
 
-void HandSearch::read_scene(const BinImage& image, const SkinModel& skin) noexcept {
-  if (!fixed_channels_ready_) {
-    fixed_channels_ready_ = true;
-    for (int i = 0; i < kBinCount; ++i) {
-      const Eigen::Vector3d rgb = rgb_of(static_cast<ColorBin>(i));
-      luma_[i] = clamp8(0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2] - 128);
-      red_[i] = clamp8(rgb[0] - rgb[1]);
-      blue_[i] = clamp8(rgb[2] - 0.5 * (rgb[0] + rgb[1]));
-      prior_[i] = clamp8(skin.prior_other()[i] - skin.prior_skin()[i]);
-    }
-  }
-  count_.clear();
-  count_.add(image.used());
+void HandSearch::read_scene(const BinView& image, const SkinModel& skin) noexcept {
+  scene_colors_.clear();
+  for (int v = 0; v < image.height; ++v)
+    scene_colors_.add({image.row(v), static_cast<std::size_t>(image.width)});
   seen_bins_.clear();
   std::ranges::fill(coarse_, 0.0f);
   const BinSmoothing smoothing;
   BinPlane scene, hand;
   for (int luma = 0; luma < kBinLevels; ++luma) {
-    count_.smooth(smoothing, luma, scene);
+    scene_colors_.smooth(smoothing, luma, scene);
     skin.learned_hand().smooth(smoothing, luma, hand);
     for_each_row(scene.filled, [&](int row) {
       const int begin = first_bin(luma, row);
       float* const coarse_row = coarse_.data() + coarse(begin);
-      for (int k = 0; k < kBinLevels; ++k) coarse_row[k / 2] += scene.rows[row][k] / count_.total();
+      for (int k = 0; k < kBinLevels; ++k)
+        coarse_row[k / 2] += scene.rows[row][k] / scene_colors_.total();
     });
-    for_each_row(count_.filled()[luma], [&](int row) {
+    for_each_row(scene_colors_.filled()[luma], [&](int row) {
       for (int k = 0; k < kBinLevels; ++k) {
         const int i = first_bin(luma, row) + k;
-        if (count_[static_cast<ColorBin>(i)] == 0) continue;
+        if (scene_colors_[static_cast<ColorBin>(i)] == 0) continue;
         seen_bins_.push_back(static_cast<ColorBin>(i));
-        const float share = scene.rows[row][k] / count_.total();
+        const float share = scene.rows[row][k] / scene_colors_.total();
         scene_[i] = clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(share, 1e-6f)));
         if (!skin.has_learned()) continue;
         // However the hand was learned: how much more of a colour it has than this frame.
@@ -155,7 +170,7 @@ void HandSearch::add_levels(const Channel& channel, int levels) noexcept {
   // Thresholds that cut the scene's distribution of this channel where it is thin (Lloyd's
   // quantiser): between its clusters.
   std::array<float, 256> histogram{};
-  for (const ColorBin i : seen_bins_) histogram[channel[i] + 128] += count_[i];
+  for (const ColorBin i : seen_bins_) histogram[channel[i] + 128] += scene_colors_[i];
   float sum_of_all = 0;
   for (const float c : histogram) sum_of_all += c;
   std::array<float, 9> center;
@@ -184,12 +199,12 @@ void HandSearch::add_levels(const Channel& channel, int levels) noexcept {
   }
 }
 
-void HandSearch::list_readings(const BinImage& image) noexcept {
+void HandSearch::list_readings(const BinView& image, const Channel& prior) noexcept {
   reading_count_ = 0;
   const auto add = [&](const Reading& r) { readings_[reading_count_++] = r; };
-  for (const int t : {-8, 0, 8, 16}) add({&prior_, t});
+  for (const int t : {-8, 0, 8, 16}) add({&prior, t});
   for (const int t : {-16, -12, -8, -4, 0, 8}) add({&scene_, t});
-  for (const Channel* channel : {&luma_, &red_, &blue_}) add_levels(*channel, 5);
+  for (const Channel* channel : {&kLuma, &kRedness, &kBlueness}) add_levels(*channel, 5);
   // Patches, the most skin-like first; the darkest hand is still likelier skin than most things.
   std::array<std::pair<float, int>, kPatchColumns * kPatchRows> patches;
   for (int p = 0; p < static_cast<int>(patches.size()); ++p) {
@@ -197,8 +212,7 @@ void HandSearch::list_readings(const BinImage& image) noexcept {
     const int v0 = p / kPatchColumns * image.height / kPatchRows;
     float sum = 0;
     for (int v = v0; v < v0 + image.height / kPatchRows; v += 4)
-      for (int u = u0; u < u0 + image.width / kPatchColumns; u += 4)
-        sum += prior_[image.bins[static_cast<std::size_t>(v) * image.width + u]];
+      for (int u = u0; u < u0 + image.width / kPatchColumns; u += 4) sum += prior[image.at(u, v)];
     patches[p] = {-sum, p};
   }
   std::ranges::sort(patches);
@@ -212,13 +226,12 @@ void HandSearch::list_readings(const BinImage& image) noexcept {
 }
 
 /// Which coarse colours a patch has more of than the whole frame.
-void HandSearch::read_patch(const BinImage& image, int patch) noexcept {
+void HandSearch::read_patch(const BinView& image, int patch) noexcept {
   const int width = image.width / kPatchColumns, height = image.height / kPatchRows;
   const int u0 = patch % kPatchColumns * width, v0 = patch / kPatchColumns * height;
   std::ranges::fill(patch_, 0.0f);
   for (int v = v0; v < v0 + height; ++v)
-    for (int u = u0; u < u0 + width; ++u)
-      patch_[coarse(image.bins[static_cast<std::size_t>(v) * image.width + u])] += 1;
+    for (int u = u0; u < u0 + width; ++u) patch_[coarse(image.at(u, v))] += 1;
   // One level around each colour.
   smooth_along<1>(patch_.data(), patch_smooth_.data());
   smooth_along<kCoarseLevels>(patch_smooth_.data(), patch_.data());
@@ -229,13 +242,13 @@ void HandSearch::read_patch(const BinImage& image, int patch) noexcept {
 }
 
 /// Bit k of a bin's mark: reading k takes its colour for the hand's.
-void HandSearch::mark_bins(const BinImage& image, std::span<const Reading> readings) noexcept {
+void HandSearch::mark_bins(const BinView& image, std::span<const Reading> readings) noexcept {
   std::ranges::fill(marks_, 0u);
   for (std::size_t k = 0; k < readings.size(); ++k) {
     const Reading& reading = readings[k];
     if (reading.patch >= 0) read_patch(image, reading.patch);
     for (int luma = 0; luma < kBinLevels; ++luma)
-      for_each_row(count_.filled()[luma], [&](int row) {
+      for_each_row(scene_colors_.filled()[luma], [&](int row) {
         const int begin = first_bin(luma, row);
         std::uint32_t* const marks = marks_.data() + begin;
         if (reading.patch >= 0) {
@@ -250,10 +263,10 @@ void HandSearch::mark_bins(const BinImage& image, std::span<const Reading> readi
 }
 
 /// The masks of all readings at once: every pixel is looked up a single time.
-void HandSearch::draw_masks(const BinImage& image, int count) noexcept {
+void HandSearch::draw_masks(const BinView& image, int count) noexcept {
   for (int k = 0; k < count; ++k) masks_[k].resize(image.width, image.height);
-  const ColorBin* bin = image.bins.data();
-  for (int v = 0; v < image.height; ++v)
+  for (int v = 0; v < image.height; ++v) {
+    const ColorBin* bin = image.row(v);
     for (int u = 0; u < image.width; u += 32 * kBlocks) {
       std::array<MarksOfBlocks, 32> marks{};
       const int length = std::min(32 * kBlocks, image.width - u);
@@ -262,13 +275,14 @@ void HandSearch::draw_masks(const BinImage& image, int count) noexcept {
       for (int k = 0; k < count; ++k)
         std::memcpy(masks_[k].row(v) + (u >> 6), marks[k].data(), (length + 63) / 64 * 8);
     }
+  }
 }
 
 bool HandSearch::try_region(float palm_radius, HandShape& best) noexcept {
-  curvature_.find(contour_, palm_radius);
+  stages_.curvature.find(stages_.contour, palm_radius);
   HandShape shape;
-  if (!find_hand_shape(curvature_, contour_, region_.mask(), palm_radius, shape_model_,
-                       shape_config_, shape) ||
+  if (!find_hand_shape(stages_.curvature, stages_.contour, stages_.region.mask(), palm_radius,
+                       shape_model_, shape_config_, shape) ||
       shape.deviation >= best.deviation)
     return false;
   best = shape;
@@ -277,74 +291,63 @@ bool HandSearch::try_region(float palm_radius, HandShape& best) noexcept {
 
 /// Looks at the regions of what was classified; true when one is more like a hand than `best`.
 bool HandSearch::try_regions(HandShape& best) noexcept {
-  region_.remove_thin(1);
-  const int pixels = region_.mask().width * region_.mask().height;
+  stages_.region.remove_thin(1);
+  const int pixels = stages_.region.mask().width * stages_.region.mask().height;
   const Component* winner = nullptr;
-  for (const Component& c : region_.components(static_cast<int>(config_.min_area_share * pixels))) {
-    if (c.area > 0.7 * pixels || !contour_.trace(region_.mask(), c) || !may_be_hand(c, contour_))
+  for (const Component& c :
+       stages_.region.components(static_cast<int>(config_.min_area_share * pixels))) {
+    if (c.area > 0.7 * pixels || !stages_.contour.trace(stages_.region.mask(), c) ||
+        !may_be_hand(c, stages_.contour))
       continue;
-    const Disc disc = region_.deepest(c);
+    const Disc disc = stages_.region.deepest(c);
     // The deepest point may lie in a forearm or in something that hangs together with the hand.
     for (const float scale : {1.0f, 0.6f})
       if (disc.radius * scale > kLeastPalm && try_region(disc.radius * scale, best)) winner = &c;
   }
   if (winner == nullptr) return false;
-  region_.keep_only(*winner);
-  found_mask_.copy(region_.mask());
+  stages_.region.keep_only(*winner);
+  found_mask_.copy(stages_.region.mask());
   return true;
-}
-
-void HandSearch::read_around(const BinImage& image, const HandShape& hand) noexcept {
-  const Eigen::AlignedBox2f box = hand.bounds();
-  const int margin = static_cast<int>(hand.palm_radius());
-  const int u0 = std::clamp(int(box.min().x()) - margin, 0, image.width);
-  const int v0 = std::clamp(int(box.min().y()) - margin, 0, image.height);
-  around_.width = std::clamp(int(box.max().x()) + margin, u0, image.width) - u0;
-  around_.height = std::clamp(int(box.max().y()) + margin, v0, image.height) - v0;
-  around_.step_px = image.step_px;
-  around_.x0_px = image.x0_px + u0 * image.step_px;
-  around_.y0_px = image.y0_px + v0 * image.step_px;
-  for (int v = 0; v < around_.height; ++v)
-    std::copy_n(image.bins.begin() + (v0 + v) * image.width + u0, around_.width,
-                around_.bins.begin() + v * around_.width);
 }
 
 /// The region whose colours are those along the proposed hand's fingers rather than those around
 /// it, wherever it reaches and then where the hand should be.
-bool HandSearch::try_proposal(const BinImage& image, const HandShape& proposal,
-                              HandShape& best) noexcept {
-  read_around(image, proposal);
+bool HandSearch::try_proposal(const BinView& image, const SkinModel& skin,
+                              const HandShape& proposal, HandShape& best) noexcept {
+  const BinView part = around(image, proposal);
   const Eigen::Vector2f offset =
-      (around_.origin_px() - image.origin_px()) / static_cast<float>(image.step_px);
+      (part.origin_px() - image.origin_px()) / static_cast<float>(image.step_px);
   const HandShape hand = proposal.transformed(1, -offset);
-  sample_skin(around_, nullptr, hand, *samples_);
-  proposed_skin_.reset();
-  proposed_skin_.widen();
-  proposed_skin_.learn(samples_->hand, samples_->background);
-  hand.expect(around_.width, around_.height, expectation_);
+  sample_skin(part, nullptr, hand, *samples_);
+  hand_colors_.clear();
+  hand_colors_.add(samples_->hand);
+  scene_colors_.clear();
+  scene_colors_.add(samples_->background);
+  skin.ratios_of_found(hand_colors_, scene_colors_, proposed_);
+  hand.expect(part.width, part.height, expectation_);
   const int min_area = static_cast<int>(config_.min_area_share * image.width * image.height);
   bool found = false;
   for (ExpectedRegion* where : {&anywhere_, &expectation_}) {
-    const Component* c = region_.segment(around_, proposed_skin_.ratios(), *where, hand.palm(),
-                                         hand.finger_width, min_area);
-    if (c == nullptr || !contour_.trace(region_.mask(), *c) ||
+    const Component* c =
+        stages_.region.segment(part, proposed_, *where, hand.palm(), hand.finger_width, min_area);
+    if (c == nullptr || !stages_.contour.trace(stages_.region.mask(), *c) ||
         !try_region(hand.palm_radius(), best))
       continue;
-    found_mask_.copy(region_.mask());
+    found_mask_.copy(stages_.region.mask());
     found = true;
   }
   return found;
 }
 
-bool HandSearch::find(const BinImage& image, const SkinModel& skin, HandShape& shape) noexcept {
+bool HandSearch::find(const BinView& image, const SkinModel& skin, HandShape& shape) noexcept {
   shape.deviation = static_cast<float>(shape_config_.max_deviation);
-  found_image_ = &image;
-  region_.classify(image, skin.ratios(), anywhere_);
+  found_image_ = image;
+  stages_.region.classify(image, skin.ratios(), anywhere_);
   found_by_skin_ = try_regions(shape);
   if (shape.deviation < shape_config_.sure_deviation) return true;
 
   read_scene(image, skin);
-  list_readings(image);
+  list_readings(image, skin.prior_ratios());
   // What was learned comes first in every frame; the other readings take turns.
   std::array<Reading, kMaxAtOnce> now;
   int learned = 0;
@@ -360,7 +363,7 @@ bool HandSearch::find(const BinImage& image, const SkinModel& skin, HandShape& s
 
   bool found = found_by_skin_;
   for (int k = 0; k < learned + turns; ++k) {
-    region_.classify(masks_[k]);
+    stages_.region.classify(masks_[k]);
     if (!try_regions(shape)) continue;
     found = true;
     found_by_skin_ = k < learned;
@@ -368,11 +371,10 @@ bool HandSearch::find(const BinImage& image, const SkinModel& skin, HandShape& s
   if (shape.deviation < shape_config_.sure_deviation) return true;
   const HandShape* proposed = nullptr;
   for (const HandShape& proposal : outlines_.find(image))
-    if (try_proposal(image, proposal, shape)) proposed = &proposal;
+    if (try_proposal(image, skin, proposal, shape)) proposed = &proposal;
   if (proposed == nullptr) return found;
   found_by_skin_ = false;
-  read_around(image, *proposed);
-  found_image_ = &around_;
+  found_image_ = around(image, *proposed);
   return true;
 }
 

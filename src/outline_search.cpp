@@ -166,7 +166,7 @@ HandShape OutlineSearch::align(const Proposal& slid) const noexcept {
   return hand.laid(edges_.to_image(maps_hand), slid.layout);
 }
 
-std::span<const HandShape> OutlineSearch::find(const BinImage& image) noexcept {
+std::span<const HandShape> OutlineSearch::find(const BinView& image) noexcept {
   proposal_count_ = 0;
   if (config_.proposals == 0) return {};
   const int per_direction = static_cast<int>(templates_.size()) / kHandDirections;
@@ -190,7 +190,7 @@ std::span<const HandShape> OutlineSearch::find(const BinImage& image) noexcept {
   return proposals();
 }
 
-float OutlineSearch::follow(const BinImage& image, HandShape& hand) noexcept {
+float OutlineSearch::follow(const BinView& image, HandShape& hand) noexcept {
   // Roughly, with as much reach as a hand moves from frame to frame, and then finely.
   constexpr int kReach_px = 4;
   constexpr std::array<float, 8> kRough{2, 2, 1, 1, 0.5f, 0.5f, 0.25f, 0.25f};

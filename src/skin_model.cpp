@@ -86,12 +86,53 @@ HANDYAR_VECTORISED void mix_row(const RowShares& hand, const RowShares& backgrou
   }
 }
 
+/// The colours of the hand or of the background: by the prior and, where enough of them were seen,
+/// by those.
+struct Colors {
+  std::span<const std::uint8_t> prior;
+  float prior_weight = 1, count_weight = 0;
+  const ColorHistogram* seen = nullptr;
+  BinSmoothing smoothing{};
+  BinPlane plane{};  // of the seen ones, of one luma
+
+  Colors(std::span<const std::uint8_t> prior_table, double weight)
+      : prior(prior_table), prior_weight(static_cast<float>(weight)) {}
+  Colors(std::span<const std::uint8_t> prior_table, double weight, const ColorHistogram& histogram,
+         int smoothed)
+      : Colors(prior_table, histogram.total() < 1 ? 1 : weight) {
+    if (histogram.total() < 1) return;
+    count_weight = (1 - prior_weight) / histogram.total();
+    seen = &histogram;
+    smoothing = BinSmoothing(smoothed);
+  }
+  void smooth(int luma) noexcept {
+    if (seen != nullptr) seen->smooth(smoothing, luma, plane);
+  }
+  RowShares row(int luma, int r) const noexcept {
+    return {plane.row(r).data(), prior.data() + first_bin(luma, r), count_weight, prior_weight};
+  }
+};
+
+/// Ratios of the rows that are filled, or of all.
+void mix(Colors hand, Colors background, bool all, SkinModel::Ratios& out) noexcept {
+  constexpr std::uint32_t kAll = ~std::uint32_t{0};
+  for (int luma = 0; luma < kBinLevels; ++luma) {
+    hand.smooth(luma);
+    background.smooth(luma);
+    for_each_row(all ? kAll : hand.plane.filled | background.plane.filled, [&](int row) {
+      mix_row(hand.row(luma, row), background.row(luma, row), out.data() + first_bin(luma, row));
+    });
+  }
+}
+
 }  // namespace
 
 SkinModel::SkinModel(const SkinModelConfig& config) : config_(config) {
   if (!config.personal.empty()) personal_ = prior_of(config.personal);
-  rebuild();
-  prior_ratios_ = learned_.ratios_;
+  mix({prior_skin(), 1}, {prior_other(), 1}, true, prior_ratios_);
+  mix({prior_skin(), config_.hand_prior_weight}, {prior_other(), config_.background_prior_weight},
+      true, unseen_);
+  learned_.ratios_ = prior_ratios_;
 }
 
 std::span<const std::uint8_t> SkinModel::prior_skin() const noexcept {
@@ -123,7 +164,8 @@ void SkinModel::learn(std::span<const ColorBin> hand,
   learned_.background_.decay(keep);
   learned_.background_.add(background);
   ++learned_.frames_;
-  rebuild();
+  ratios_of(learned_.hand_, learned_.background_, learned_.widening_, learned_.ratios_);
+  learned_.version_ = ++version_;
   if (learned_.widening_ > 0) --learned_.widening_;
 }
 
@@ -144,46 +186,13 @@ SkinColors SkinModel::colors_of(const Learned& learned) {
   return colors;
 }
 
-void SkinModel::rebuild() noexcept {
-  struct Part {
-    const ColorHistogram& histogram;
-    BinSmoothing smoothing;
-    bool known = histogram.total() >= 1;
-    float prior, scale;
-    BinPlane plane;
-
-    Part(const ColorHistogram& h, int times, double prior_weight)
-        : histogram(h),
-          smoothing(times),
-          prior(known ? static_cast<float>(prior_weight) : 1.0f),
-          scale(known ? (1 - prior) / h.total() : 0.0f) {}
-    void smooth(int luma) {
-      if (known) histogram.smooth(smoothing, luma, plane);
-    }
-  };
-  Part hand(learned_.hand_, 1 + learned_.widening_, config_.hand_prior_weight);
-  Part background(learned_.background_, 1, config_.background_prior_weight);
-  const auto mix = [&](int luma, int row, Ratios& ratios) {
-    const int first = first_bin(luma, row);
-    const auto part = [&](const Part& p, std::span<const std::uint8_t> table) {
-      return RowShares{p.plane.row(row).data(), table.data() + first, p.scale, p.prior};
-    };
-    mix_row(part(hand, prior_skin()), part(background, prior_other()), ratios.data() + first);
-  };
-  if (hand.prior != hand_prior_ || background.prior != background_prior_) {
-    hand_prior_ = hand.prior;
-    background_prior_ = background.prior;
-    for (int luma = 0; luma < kBinLevels; ++luma)
-      for (int row = 0; row < kBinLevels; ++row) mix(luma, row, unseen_);
-  }
-  learned_.ratios_ = unseen_;
-  for (int luma = 0; luma < kBinLevels; ++luma) {
-    hand.smooth(luma);
-    background.smooth(luma);
-    for_each_row(hand.plane.filled | background.plane.filled,
-                 [&](int row) { mix(luma, row, learned_.ratios_); });
-  }
-  learned_.version_ = ++version_;
+void SkinModel::ratios_of(const ColorHistogram& hand, const ColorHistogram& background,
+                          int widening, Ratios& out) const noexcept {
+  const Colors of_hand(prior_skin(), config_.hand_prior_weight, hand, 1 + widening);
+  const Colors of_background(prior_other(), config_.background_prior_weight, background, 1);
+  const bool both_seen = of_hand.seen != nullptr && of_background.seen != nullptr;
+  if (both_seen) out = unseen_;
+  mix(of_hand, of_background, !both_seen, out);
 }
 
 }  // namespace handyar

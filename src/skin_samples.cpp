@@ -17,7 +17,7 @@ std::uint64_t near_region(const Mask& mask, int v, int word) {
 
 }  // namespace
 
-void sample_skin(const BinImage& image, const Mask* mask, const HandShape& shape,
+void sample_skin(const BinView& image, const Mask* mask, const HandShape& shape,
                  SkinSamples& samples) noexcept {
   samples.hand.clear();
   samples.background.clear();
@@ -25,8 +25,7 @@ void sample_skin(const BinImage& image, const Mask* mask, const HandShape& shape
     if (!(p.x() >= 0) || !(p.y() >= 0)) return;
     const int u = static_cast<int>(p.x() + 0.5f), v = static_cast<int>(p.y() + 0.5f);
     if (u >= image.width || v >= image.height) return;
-    if (samples.hand.size() < SkinSamples::kMax)
-      samples.hand.push_back(image.bins[static_cast<std::size_t>(v) * image.width + u]);
+    if (samples.hand.size() < SkinSamples::kMax) samples.hand.push_back(image.at(u, v));
   };
   // Inside by geometry rather than by the mask, so that a mask that leaked teaches nothing.
   const float spacing = std::max(1.0f, shape.finger_width / 8);
@@ -53,7 +52,7 @@ void sample_skin(const BinImage& image, const Mask* mask, const HandShape& shape
   const int v1 = std::min(image.height - grid, int(around.max().y()));
   const HandReach reach(shape);
   for (int v = v0; v < v1; v += grid) {
-    const ColorBin* const row = image.bins.data() + static_cast<std::size_t>(v) * image.width;
+    const ColorBin* const row = image.row(v);
     std::uint64_t near = ~std::uint64_t{0};
     for (int u = u0, word = -1; u < u1; u += grid) {
       if (mask != nullptr && u >> 6 != word) near = near_region(*mask, v, word = u >> 6);

@@ -9,12 +9,6 @@
 #include "tracker_impl.hpp"
 
 namespace handyar {
-namespace {
-
-constexpr int kMaxContour = 1 << 13;  // points; no hand has more
-
-}  // namespace
-
 std::string_view name(State state) noexcept {
   switch (state) {
     case State::searching:
@@ -52,13 +46,12 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
   const int longer_px = std::max(width_px, height_px), step = tracking_step();
   const int width = width_px / step, height = height_px / step, longer = longer_px / step;
   bins.bins.resize(width * height);
-  region.reserve(width * height, longer);
+  stages.reserve(width * height, longer);
   expectation.ratios.resize((width / 2 + 1) * (height / 2 + 1));  // cells of 2 or more
   silhouette.reserve(width * height, longer);
   const int coarse = search_step();
   search.reserve((width_px / coarse) * (height_px / coarse), longer_px / coarse);
-  contour.reserve(kMaxContour);
-  contour_px.resize(kMaxContour);
+  contour_px.resize(stages.contour.room());
   forget();
 }
 
@@ -168,7 +161,7 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
     bool seen = look(true);
     for (int again = 0; !seen && again < 2 && t.promising; ++again) {
       t.shape = t.to_input(t.found);
-      t.learn(t.bins, t.region.mask(), t.found);
+      t.learn(t.bins, t.stages.region.mask(), t.found);
       seen = look(true);
     }
     if (!seen && found.deviation < t.config.shape.max_deviation) {
@@ -197,14 +190,14 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   t.advance(seen);
   result.state = t.state;
   if (!seen) result.raw_pose.reset();
-  t.contour_size = seen ? t.contour.size() : 0;
-  for (int i = 0; i < t.contour_size; ++i) t.contour_px[i] = t.to_input(t.contour[i]);
+  t.contour_size = seen ? t.stages.contour.size() : 0;
+  for (int i = 0; i < t.contour_size; ++i) t.contour_px[i] = t.to_input(t.stages.contour[i]);
   if (!seen) {
     result.tips = {};
     result.valleys = {};
   } else {
     result.layout = t.found.layout;
-    clock.time(times.segmentation_ms, [&] { t.learn(t.bins, t.region.mask(), t.found); });
+    clock.time(times.segmentation_ms, [&] { t.learn(t.bins, t.stages.region.mask(), t.found); });
     // While a hand is acquired the filter settles; who asks for a pose gets it once it is believed.
     clock.time(times.filter_ms, [&] { t.filter_pose(result); });
     if (t.state != State::tracking) {
@@ -227,7 +220,7 @@ std::span<const Eigen::Vector2f> HandTracker::contour_px() const noexcept {
 
 HandMask HandTracker::mask() const noexcept {
   if (impl_->contour_size == 0) return {};
-  const Mask& m = impl_->region.mask();
+  const Mask& m = impl_->stages.region.mask();
   // Colours are not needed between frames: their room holds the mask for who asks for it.
   auto* const bytes = reinterpret_cast<std::uint8_t*>(impl_->bins.bins.data());
   m.unpack(bytes);

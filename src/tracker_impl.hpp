@@ -24,8 +24,8 @@ struct HandTracker::Impl {
         hands{hand.for_layout(Layout::thumb_right), hand.for_layout(Layout::thumb_left)},
         skin(cfg.skin),
         shape_model(hand, cfg.shape),
-        search(cfg.search, cfg.fingertips, cfg.shape, shape_model),
-        curvature(cfg.fingertips),
+        stages(cfg.fingertips),
+        search(stages, cfg.search, cfg.shape, shape_model),
         filter(cfg.filter) {}
 
   void prepare(const ImageView& frame);
@@ -50,7 +50,7 @@ struct HandTracker::Impl {
   void measure_tips(TrackResult& result) noexcept;
   bool estimate_pose(TrackResult& result) noexcept;
   void filter_pose(TrackResult& result) noexcept;
-  void learn(const BinImage& image, const Mask& mask, const HandShape& hand_shape) noexcept;
+  void learn(const BinView& image, const Mask& mask, const HandShape& hand_shape) noexcept;
 
   bool may_go_by_outline() const noexcept {
     return own_shape.is_known() && time_s - colored_s < config.acquisition.max_colorless_s;
@@ -90,13 +90,11 @@ struct HandTracker::Impl {
   SkinModel skin;
   SkinModel::Learned trusted_skin;  // as it was when the hand was last tracked
   HandShapeModel shape_model;
+  MaskStages stages;
   HandSearch search;
   BinImage bins;  // of the neighbourhood, or of the whole frame while searching it
   ExpectedRegion expectation;
   const ExpectedRegion anywhere{.ratios = {ExpectedRegion::kInside}};
-  RegionFinder region;
-  Contour contour;
-  CurvatureFinder curvature;
   PoseFilter filter;
   SkinSamples samples;
   Mask silhouette;
@@ -122,7 +120,7 @@ struct HandTracker::Impl {
   double tracked_s = -std::numeric_limits<double>::infinity();  // when it was last tracked
   double five_tips_s = 0;                                       // when all five tips were last seen
   int seen_frames = 0;
-  bool colorless = false;        // `region` is the silhouette of an outline
+  bool colorless = false;        // the mask is the silhouette of an outline
   double colored_s = 0;          // when it was last seen by its colours
   double relief_evidence = 0;    // log odds that heights are the model's, not mirrored
   float acquired_deviation = 1;  // of the search's best view of the hand that is being acquired

@@ -10,7 +10,7 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   read_bins(frame, {0, 0, width_px, height_px}, search_step(), bins);
   HandShape coarse;
   if (!search.find(bins, skin, coarse)) return false;
-  const BinImage& seen = search.image();
+  const BinView& seen = search.image();
   const HandShape candidate =
       coarse.transformed(static_cast<float>(seen.step_px), seen.origin_px());
   if (following && state == State::acquiring) {
@@ -67,7 +67,7 @@ void HandTracker::Impl::forget_found() noexcept {
 
 /// What the search found, as it saw it: leaves what segment() leaves.
 bool HandTracker::Impl::adopt_found(const ImageView& frame) noexcept {
-  const BinImage& seen = search.image();
+  const BinView& seen = search.image();
   const int step = seen.step_px;
   read_bins(frame, {seen.x0_px, seen.y0_px, seen.width * step, seen.height * step}, step, bins);
   before = expected = to_mask(shape);

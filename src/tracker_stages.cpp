@@ -39,8 +39,8 @@ bool HandTracker::Impl::read_neighbourhood(const ImageView& frame) noexcept {
 bool HandTracker::Impl::segment(bool where_expected) noexcept {
   if (where_expected) expected.expect(bins.width, bins.height, expectation);
   const Component* hand =
-      region.segment(bins, skin.ratios(), where_expected ? expectation : anywhere, expected.palm(),
-                     expected.finger_width, least_area());
+      stages.region.segment(bins, skin.ratios(), where_expected ? expectation : anywhere,
+                            expected.palm(), expected.finger_width, least_area());
   colorless = false;
   return trace(hand);
 }
@@ -61,27 +61,27 @@ bool HandTracker::Impl::follow_outline() noexcept {
 bool HandTracker::Impl::trace(const Component* hand) noexcept {
   if (hand == nullptr) return false;
   component = *hand;
-  return contour.trace(region.mask(), component);
+  return stages.contour.trace(stages.region.mask(), component);
 }
 
 /// A mask that was made elsewhere: what it holds where the hand is expected.
 bool HandTracker::Impl::trace(const Mask& mask) noexcept {
-  region.classify(mask);
-  region.components(least_area());
-  return trace(region.component_at(int(expected.palm().x()), int(expected.palm().y())));
+  stages.region.classify(mask);
+  stages.region.components(least_area());
+  return trace(stages.region.component_at(int(expected.palm().x()), int(expected.palm().y())));
 }
 
 /// Places where the contour turns as sharply as a fingertip (paper 2.2).
 bool HandTracker::Impl::find_fingertips() noexcept {
-  curvature.find(contour, before.palm_radius());
-  return static_cast<int>(curvature.tips().size()) >= config.matching.min_tips;
+  stages.curvature.find(stages.contour, before.palm_radius());
+  return static_cast<int>(stages.curvature.tips().size()) >= config.matching.min_tips;
 }
 
 /// Which is which finger, after the frame before (paper 2.3) or, `anew`, after the search in this
 /// one; true when tips and valleys together are a hand's. Leaves `found`.
 bool HandTracker::Impl::match(bool anew) noexcept {
   promising = false;
-  const auto tips = curvature.tips();
+  const auto tips = stages.curvature.tips();
   std::array<Eigen::Vector2f, CurvatureFinder::kMaxTips> candidates;
   for (std::size_t i = 0; i < tips.size(); ++i) candidates[i] = tips[i].at - component.centroid;
 
@@ -110,10 +110,10 @@ bool HandTracker::Impl::match(bool anew) noexcept {
     if (!found.valley_seen[k]) continue;
     const bool forward = found.layout == Layout::thumb_left;  // clockwise from finger k to k + 1
     float depth = 0;
-    const int at = curvature.valley(found.tip_samples[forward ? k : k + 1],
-                                    found.tip_samples[forward ? k + 1 : k], &depth);
+    const int at = stages.curvature.valley(found.tip_samples[forward ? k : k + 1],
+                                           found.tip_samples[forward ? k + 1 : k], &depth);
     if (depth < 0.25f * before.palm_radius()) return false;
-    found.valleys[k] = curvature.samples()[at];
+    found.valleys[k] = stages.curvature.samples()[at];
   }
   // A finger that is suddenly longer or shorter runs on into what has the hand's colour, or is cut
   // by a shadow. Far off, its tip was misread; less so, it tells less of the pose, unless it was
@@ -155,7 +155,7 @@ bool HandTracker::Impl::match(bool anew) noexcept {
     if (!found.tip_seen[f] && !tip_inferred[f]) found.tips[f] = before.tips[f] + moved;
   for (int k = 0; k < kValleyCount; ++k)
     if (!found.valley_seen[k]) found.valleys[k] = before.valleys[k] + moved;
-  if (!fills_region(found, region.mask(), limits)) return false;
+  if (!fills_region(found, stages.region.mask(), limits)) return false;
   if (matched == kFingerCount) five_tips_s = time_s;
   return time_s - five_tips_s <= config.acquisition.max_missing_tip_s;
 }
@@ -167,14 +167,14 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
   for (int f = 0; f < kFingerCount; ++f) {
     if (tip_inferred[f]) result.tips[f] = {to_input(found.tips[f]).cast<double>(), false, true};
     if (!found.tip_seen[f]) continue;
-    const float arc = static_cast<float>(found.tip_samples[f]) * curvature.spacing();
-    const Eigen::Vector2f tip = measure_tip(contour, arc, found.finger_base(f), found.finger_width,
-                                            config.fingertips.method);
+    const float arc = static_cast<float>(found.tip_samples[f]) * stages.curvature.spacing();
+    const Eigen::Vector2f tip = measure_tip(stages.contour, arc, found.finger_base(f),
+                                            found.finger_width, config.fingertips.method);
     result.tips[f] = {to_input(tip).cast<double>(), true, false};
   }
   for (int k = 0; k < kValleyCount; ++k) {
     if (!found.valley_seen[k]) continue;
-    const Eigen::Vector2f valley = measure_valley(contour, found.valleys[k], found.tips[k],
+    const Eigen::Vector2f valley = measure_valley(stages.contour, found.valleys[k], found.tips[k],
                                                   found.tips[k + 1], found.finger_width);
     result.valleys[k] = {to_input(valley).cast<double>(), true, false};
   }
@@ -227,7 +227,7 @@ void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
 }
 
 /// Colours of the verified hand and of what surrounds it go back into the skin model (paper 2.1).
-void HandTracker::Impl::learn(const BinImage& image, const Mask& mask,
+void HandTracker::Impl::learn(const BinView& image, const Mask& mask,
                               const HandShape& hand_shape) noexcept {
   if (!std::ranges::all_of(hand_shape.valley_seen, [](bool seen) { return seen; })) return;
   sample_skin(image, &mask, hand_shape, samples);

@@ -127,8 +127,8 @@ std::size_t memory(const Config& config, int width, int height) {
 }
 
 TEST_P(Allocations, TakeAsMuchAsIsDocumented) {
-  EXPECT_LT(memory(config(), 640, 480), 4'900'000u);
-  EXPECT_LT(memory(config(), 1920, 1080), 5'700'000u);
+  EXPECT_LT(memory(config(), 640, 480), 4'000'000u);
+  EXPECT_LT(memory(config(), 1920, 1080), 4'800'000u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Resolution, Allocations, testing::Bool(),

@@ -38,7 +38,9 @@ FramePath look_for_hand(const FrameBytes& f) {
   bins.bins.resize(static_cast<std::size_t>(pixels));
   read_bins(frame, {0, 0, f.width_px, f.height_px}, 2, bins);
   FramePath path;
-  HandSearch search({}, {}, {});
+  MaskStages stages;
+  stages.reserve(pixels);
+  HandSearch search(stages);
   search.reserve(pixels);
   SkinModel skin;
   HandShape shape;

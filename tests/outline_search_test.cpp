@@ -132,8 +132,7 @@ HandShape hand_in(const View& view, Layout layout) {
 
 /// A picture in noise of whatever `mask` covers, half of it darker, half lighter than the rest.
 BinImage picture(const Mask& mask) {
-  BinImage image{
-      .width = kWidth, .height = kHeight, .bins = std::vector<ColorBin>(kWidth * kHeight)};
+  BinImage image{{kWidth, kHeight}, std::vector<ColorBin>(kWidth * kHeight)};
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0, 3);
   for (int v = 0; v < kHeight; ++v)

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -52,6 +54,16 @@ constexpr ColorBin bin_of_ycbcr(int y, int cb, int cr) noexcept {
                    chroma(128 - cb), chroma(cr - 128));
 }
 
+/// A bin's centre: Y, Cb and Cr, the chromas about 0.
+constexpr std::array<double, 3> ycbcr_of(ColorBin bin) noexcept {
+  const auto chroma = [](int level) {
+    return level < kFineChroma     ? 32 * level - 120.0
+           : level < kCoarseChroma ? 2 * level - 15.0
+                                   : 32 * level - 840.0;
+  };
+  return {(bin >> 10) * 8 + 4.0, -chroma(bin >> 5 & 31), chroma(bin & 31)};
+}
+
 /// RGB of a bin's centre; of a bin that no colour falls into, beyond 0..255.
 Eigen::Vector3d rgb_of(ColorBin bin) noexcept;
 
@@ -60,20 +72,40 @@ struct PixelRect {
   int x0_px = 0, y0_px = 0, width_px = 0, height_px = 0;
 };
 
-/// A part of a frame as colour bins, possibly reduced: bin (u, v) is the mean colour of the
+/// Where in a frame colour bins lie, possibly reduced: bin (u, v) is the mean colour of the
 /// step x step input pixels from (x0_px + u * step_px, y0_px + v * step_px) on.
-struct BinImage {
+struct BinGrid {
   int width = 0, height = 0;
   int x0_px = 0, y0_px = 0, step_px = 1;
+
+  /// Input pixel coordinates of the centre of bin (u, v).
+  double x_px(double u) const noexcept { return x0_px + u * step_px + 0.5 * (step_px - 1); }
+  double y_px(double v) const noexcept { return y0_px + v * step_px + 0.5 * (step_px - 1); }
+  Eigen::Vector2f origin_px() const noexcept { return {float(x_px(0)), float(y_px(0))}; }
+};
+
+/// Bins that lie elsewhere, or a part of them.
+struct BinView : BinGrid {
+  const ColorBin* first = nullptr;
+  std::ptrdiff_t stride = 0;  ///< bins from row to row
+
+  const ColorBin* row(int v) const noexcept { return first + v * stride; }
+  ColorBin at(int u, int v) const noexcept { return row(v)[u]; }
+  /// Columns u0 <= u < u1 of rows v0 <= v < v1, all within.
+  BinView part(int u0, int v0, int u1, int v1) const noexcept {
+    const BinGrid cut{u1 - u0, v1 - v0, x0_px + u0 * step_px, y0_px + v0 * step_px, step_px};
+    return {cut, row(v0) + u0, stride};
+  }
+};
+
+/// Bins and the room they lie in.
+struct BinImage : BinGrid {
   std::vector<ColorBin> bins;  ///< row by row, width * height used
 
   std::span<const ColorBin> used() const noexcept {
     return {bins.data(), static_cast<std::size_t>(width) * height};
   }
-  /// Input pixel coordinates of the centre of bin (u, v).
-  double x_px(double u) const noexcept { return x0_px + u * step_px + 0.5 * (step_px - 1); }
-  double y_px(double v) const noexcept { return y0_px + v * step_px + 0.5 * (step_px - 1); }
-  Eigen::Vector2f origin_px() const noexcept { return {float(x_px(0)), float(y_px(0))}; }
+  operator BinView() const noexcept { return {*this, bins.data(), width}; }
 };
 
 /// Reads `roi` (cut to the frame) of a checked frame at 1/step of its size. `out.bins` must have

@@ -21,6 +21,7 @@ class Contour {
   /// The same for a mask of a single component; false when nothing is set, too.
   bool trace(const Mask& mask) noexcept;
 
+  int room() const noexcept { return static_cast<int>(points_.size()); }
   int size() const noexcept { return size_; }
   /// Point i in mask pixels.
   Eigen::Vector2f operator[](int i) const noexcept {

@@ -28,7 +28,7 @@ class EdgeMaps {
   void reserve(int max_pixels, int max_side, float least_scale);
 
   /// Reads `image` at 1/scale of its size, scale >= 1. False when there is no room for that.
-  bool read(const BinImage& image, float scale) noexcept;
+  bool read(const BinView& image, float scale) noexcept;
 
   // Sizes in pixels of the maps, with the margin. The even columns of a map lie together, row by
   // row, then the odd ones: every second place can be read in one go.
@@ -66,7 +66,7 @@ class EdgeMaps {
   static constexpr int kMargin = 12;  // pixels
   float image_offset() const noexcept { return scale_ * (0.5f - kMargin) - 0.5f; }
   Edge edge(int gx, int gy) const noexcept;
-  void read_colors(const BinImage& image, int width, int height) noexcept;
+  void read_colors(const BinView& image, int width, int height) noexcept;
   void spread(int map) noexcept;
 
   float scale_ = 1;

@@ -71,6 +71,18 @@ class CurvatureFinder {
   int tip_count_ = 0;
 };
 
+/// The stages from a mask to its fingertips. They keep nothing from one mask to the next: whoever
+/// looks at masks one after the other shares their room.
+struct MaskStages {
+  RegionFinder region;
+  Contour contour;
+  CurvatureFinder curvature;
+
+  explicit MaskStages(const FingertipConfig& config = {}) : curvature(config) {}
+  /// Room for masks of up to `max_pixels` pixels in frames of up to `max_side` pixels a side.
+  void reserve(int max_pixels, int max_side = 4096);
+};
+
 /// Measures the tip near contour arc length `arc` of a finger that begins at `base` and is about
 /// `width` wide, all in mask pixels: the end of a least-squares ellipse around it (paper 2.2).
 Eigen::Vector2f measure_tip(const Contour& contour, float arc, const Eigen::Vector2f& base,

@@ -52,7 +52,7 @@ class RegionFinder {
   /// mask = ratio of the bin, averaged over 3x3 pixels, and of the place together > 0. Outside the
   /// hand's inside, edges in the picture cut the region, so that it does not run out into what has
   /// the hand's colour.
-  void classify(const BinImage& image, std::span<const std::int8_t> ratios,
+  void classify(const BinView& image, std::span<const std::int8_t> ratios,
                 const ExpectedRegion& expected) noexcept;
 
   /// Removes what is thinner than 2 * radius + 1 pixels (lines, specks, frayed edges) and leaves
@@ -72,7 +72,7 @@ class RegionFinder {
   /// Segmentation of a hand (paper 2.1) whose palm is about `palm` and whose fingers are
   /// `finger_width` wide: mask = the component there alone. Null when nothing of at least
   /// `min_area` pixels is there.
-  const Component* segment(const BinImage& image, std::span<const std::int8_t> ratios,
+  const Component* segment(const BinView& image, std::span<const std::int8_t> ratios,
                            const ExpectedRegion& expected, const Eigen::Vector2f& palm,
                            float finger_width, int min_area) noexcept;
 

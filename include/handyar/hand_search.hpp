@@ -37,15 +37,16 @@ struct HandSearchConfig {
 /// readings and the directions of outlines take turns.
 class HandSearch {
  public:
-  HandSearch(const HandSearchConfig& config, const FingertipConfig& fingertips,
-             const HandShapeConfig& shape, const HandShapeModel& model = {});
+  /// Looks at masks through `stages`, which outlive it; their room must do for the same images.
+  explicit HandSearch(MaskStages& stages, const HandSearchConfig& config = {},
+                      const HandShapeConfig& shape = {}, const HandShapeModel& model = {});
   ~HandSearch();
   void reserve(int max_pixels, int max_side = 4096);
   void reset() noexcept;
 
   /// True when a hand-like region was found: `shape` is then in pixels of image(), and mask() holds
   /// its region alone.
-  bool find(const BinImage& image, const SkinModel& skin, HandShape& shape) noexcept;
+  bool find(const BinView& image, const SkinModel& skin, HandShape& shape) noexcept;
 
   /// For hands of which colours tell nothing.
   OutlineSearch& outlines() noexcept { return outlines_; }
@@ -54,7 +55,7 @@ class HandSearch {
   bool found_by_skin() const noexcept { return found_by_skin_; }
 
   /// Where it was found: the image that was searched, which must still be there, or a part of it.
-  const BinImage& image() const noexcept { return *found_image_; }
+  const BinView& image() const noexcept { return found_image_; }
   const Mask& mask() const noexcept { return found_mask_; }
 
  private:
@@ -67,25 +68,24 @@ class HandSearch {
     bool below = false;  ///< the channel's negative: a hand may lie on either side of a threshold
     int patch = -1;      ///< not a channel but the colours of this patch
   };
-  void read_scene(const BinImage& image, const SkinModel& skin) noexcept;
-  void list_readings(const BinImage& image) noexcept;
+  void read_scene(const BinView& image, const SkinModel& skin) noexcept;
+  void list_readings(const BinView& image, const Channel& prior) noexcept;
   void add_levels(const Channel& channel, int levels) noexcept;
-  void read_patch(const BinImage& image, int patch) noexcept;
-  void mark_bins(const BinImage& image, std::span<const Reading> readings) noexcept;
-  void draw_masks(const BinImage& image, int count) noexcept;
+  void read_patch(const BinView& image, int patch) noexcept;
+  void mark_bins(const BinView& image, std::span<const Reading> readings) noexcept;
+  void draw_masks(const BinView& image, int count) noexcept;
   bool try_region(float palm_radius, HandShape& best) noexcept;
   bool try_regions(HandShape& best) noexcept;
-  void read_around(const BinImage& image, const HandShape& hand) noexcept;
-  bool try_proposal(const BinImage& image, const HandShape& proposal, HandShape& best) noexcept;
+  void read_around(const BinView& image, const HandShape& hand) noexcept;
+  bool try_proposal(const BinView& image, const SkinModel& skin, const HandShape& proposal,
+                    HandShape& best) noexcept;
 
+  MaskStages& stages_;
   HandSearchConfig config_;
   HandShapeConfig shape_config_;
   HandShapeModel shape_model_;
-  RegionFinder region_;
-  Contour contour_;
-  CurvatureFinder curvature_;
-  Channel known_, prior_, scene_, luma_, red_, blue_;
-  ColorHistogram count_;             ///< of the scene's colours
+  Channel known_, scene_;
+  ColorHistogram scene_colors_;      ///< of the frame, later of what surrounds a proposal
   std::vector<ColorBin> seen_bins_;  ///< that the scene has; channels need no others
   std::vector<float> coarse_, patch_, patch_smooth_;
   std::array<bool, 4096> in_patch_{};
@@ -96,14 +96,13 @@ class HandSearch {
   std::vector<std::uint32_t> marks_;  ///< of each bin, a bit for each of this frame's readings
   std::vector<Mask> masks_;
   Mask scratch_mask_, found_mask_;
-  const BinImage* found_image_ = nullptr;
+  BinView found_image_;
   OutlineSearch outlines_;
-  BinImage around_;          ///< a proposal: the part of the image that holds it
-  SkinModel proposed_skin_;  ///< its colours
+  ColorHistogram hand_colors_;  ///< along the fingers of a proposal
+  SkinModel::Ratios proposed_;  ///< by its colours
   std::unique_ptr<SkinSamples> samples_;
   ExpectedRegion expectation_;
   ExpectedRegion anywhere_{.ratios = {ExpectedRegion::kInside}};
-  bool fixed_channels_ready_ = false;
 };
 
 }  // namespace handyar

@@ -40,7 +40,7 @@ class OutlineSearch {
 
   /// The places most like a hand, each far from the others, in bins of `image`. Valid until the
   /// next call.
-  std::span<const HandShape> find(const BinImage& image) noexcept;
+  std::span<const HandShape> find(const BinView& image) noexcept;
 
   /// What find() gave last.
   std::span<const HandShape> proposals() const noexcept {
@@ -50,7 +50,7 @@ class OutlineSearch {
   /// Moves a hand that is expected about here, in bins of `image`, to where most edge lies under
   /// its own outline. How much, from 0 to 1: about 0.7 where the hand is, 0.5 elsewhere; 0 when a
   /// finger has too little or the hand is too large for the room, and then it is not moved.
-  float follow(const BinImage& image, HandShape& hand) noexcept;
+  float follow(const BinView& image, HandShape& hand) noexcept;
 
  private:
   static constexpr int kMaxProposals = 16;

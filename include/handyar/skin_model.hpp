@@ -47,7 +47,7 @@ class SkinModel {
   class Learned {
     friend class SkinModel;
     ColorHistogram hand_, background_;
-    Ratios ratios_{};
+    Ratios ratios_;
     int frames_ = 0;
     int widening_ = 0;
     std::uint32_t version_ = 0;  // no two that a model learned have the same
@@ -84,19 +84,28 @@ class SkinModel {
   const ColorHistogram& learned_hand() const noexcept { return learned_.hand_; }
 
   const Ratios& ratios() const noexcept { return learned_.ratios_; }
+  /// As they were before anything was learned.
+  const Ratios& prior_ratios() const noexcept { return prior_ratios_; }
+
+  /// What ratios() would be had nothing been learned but these colours of a newly found hand and of
+  /// what surrounds it.
+  void ratios_of_found(const ColorHistogram& hand, const ColorHistogram& background,
+                       Ratios& out) const noexcept {
+    ratios_of(hand, background, config_.widening, out);
+  }
 
   /// -log probability in eighths of a nat of each bin under the prior alone, bin by bin.
   std::span<const std::uint8_t> prior_skin() const noexcept;
   std::span<const std::uint8_t> prior_other() const noexcept;
 
  private:
-  void rebuild() noexcept;
+  void ratios_of(const ColorHistogram& hand, const ColorHistogram& background, int widening,
+                 Ratios& out) const noexcept;
 
   SkinModelConfig config_;
   std::vector<std::uint8_t> personal_;  // a table like the prior's; empty: none
-  Ratios prior_ratios_{};               // before anything was learned
-  Ratios unseen_{};  // of colours that were seen neither on the hand nor around it
-  float hand_prior_ = 0, background_prior_ = 0;  // weights for which it was made
+  Ratios prior_ratios_;                 // before anything was learned
+  Ratios unseen_;  // once it was: of colours that were seen neither on the hand nor around it
   Learned learned_;
   std::uint32_t version_ = 0;
 };

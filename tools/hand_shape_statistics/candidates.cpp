@@ -67,14 +67,15 @@ class Pictures {
 };
 
 /// One reading a call, and wide limits: what is right is told by the annotation.
-HandSearch make_search() {
+HandSearch make_search(MaskStages& stages) {
   HandSearchConfig config;
   config.readings_per_frame = 1;
   config.max_deviation = 3;
   HandShapeConfig shape;
   shape.min_finger_fill = 0.4;
   shape.min_palm_fill = 0.8;
-  HandSearch search(config, {}, shape);
+  HandSearch search(stages, config, shape);
+  stages.reserve(kMaxSide_px * kMaxSide_px / 4);
   search.reserve(kMaxSide_px * kMaxSide_px / 4);
   return search;
 }
@@ -95,7 +96,8 @@ void print(const Annotation& a, const BinImage& image, const HandShape& shape) {
 void run(const char* list) {
   std::ifstream lines(list);
   if (!lines) throw io::Error(list, "cannot be read");
-  HandSearch search = make_search();
+  MaskStages stages;
+  HandSearch search = make_search(stages);
   const SkinModel skin;
   Pictures pictures;
   BinImage image;
