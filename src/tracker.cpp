@@ -178,6 +178,11 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   bool seen = false;
   if (t.state == State::acquiring && search()) seen = look_anew();
   if (!seen && t.following) seen = look(false) || look_at_outline(false);
+  if (!seen && t.state == State::acquiring && t.found_again) {
+    t.shape = *t.found_again;
+    seen =
+        clock.time(times.segmentation_ms, [&] { return t.adopt_found(frame); }) && identify(true);
+  }
   if (!seen && (t.state == State::searching || t.state == State::lost)) {
     if (search()) {
       seen = look_anew();

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "handyar/hand_search.hpp"
@@ -120,9 +121,10 @@ struct HandTracker::Impl {
   double tracked_s = -std::numeric_limits<double>::infinity();  // when it was last tracked
   double five_tips_s = 0;                                       // when all five tips were last seen
   int seen_frames = 0;
-  bool colorless = false;        // the mask is the silhouette of an outline
-  double colored_s = 0;          // when it was last seen by its colours
-  double relief_evidence = 0;    // log odds that heights are the model's, not mirrored
+  bool colorless = false;                // the mask is the silhouette of an outline
+  double colored_s = 0;                  // when it was last seen by its colours
+  double relief_evidence = 0;            // log odds that heights are the model's, not mirrored
+  std::optional<HandShape> found_again;  // by the search in this frame: who is being acquired
   float acquired_deviation = 1;  // of the search's best view of the hand that is being acquired
   struct {
     HandShape shape;

@@ -9,6 +9,7 @@ namespace handyar {
 bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   read_bins(frame, {0, 0, width_px, height_px}, search_step(), bins);
   HandShape coarse;
+  found_again.reset();
   if (!search.find(bins, skin, coarse)) return false;
   const BinView& seen = search.image();
   const HandShape candidate =
@@ -16,6 +17,7 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
   if (following && state == State::acquiring) {
     if (candidate.resembles(shape)) {
       acquired_deviation = std::min(acquired_deviation, candidate.deviation);
+      found_again = candidate;
       return false;
     }
     if (candidate.deviation > 0.9f * acquired_deviation) return false;
