@@ -10,6 +10,10 @@ namespace {
 
 struct Color {
   int a, b, c;  // RGB or YCbCr, 0..255 (times the number of pixels summed)
+
+  [[gnu::always_inline]] Color operator+(const Color& o) const {
+    return {a + o.a, b + o.b, c + o.c};
+  }
 };
 
 /// Asks for bytes that will be read soon. Of the rows of a part of a frame, the next is nowhere
@@ -61,49 +65,52 @@ struct Nv12Row {
 constexpr int kChunk = 256;    // pixels whose sums lie in the first-level cache
 constexpr int kRowsAhead = 2;  // rows of `out` that are fetched before they are read
 
+/// Sums of pixels channel by channel. They are read in one loop and made bins in another: each can
+/// be vectorised.
+struct Sums {
+  std::uint16_t a[2 * kChunk], b[2 * kChunk], c[2 * kChunk];
+
+  [[gnu::always_inline]] void set(int k, const Color& p) {
+    a[k] = static_cast<std::uint16_t>(p.a);
+    b[k] = static_cast<std::uint16_t>(p.b);
+    c[k] = static_cast<std::uint16_t>(p.c);
+  }
+};
+
+/// `count` bins from pixel x0 of two rows on, half a step apart.
+template <class Row>
+[[gnu::always_inline]] inline void read_chunk(const Row& top, const Row& bottom, int x0, int step,
+                                              int count, ColorBin* to) {
+  Sums s;
+  if (step == 1) {
+    for (int k = 0; k < count; ++k) s.set(k, top(x0 + k));
+    for (int k = 0; k < count; ++k) to[k] = Row::bin({s.a[k], s.b[k], s.c[k]});
+  } else if (step == 2) {
+    for (int k = 0; k < 2 * count; ++k) s.set(k, top(x0 + k) + bottom(x0 + k));
+    for (int k = 0; k < count; ++k)
+      to[k] = Row::bin({(s.a[2 * k] + s.a[2 * k + 1]) >> 2, (s.b[2 * k] + s.b[2 * k + 1]) >> 2,
+                        (s.c[2 * k] + s.c[2 * k + 1]) >> 2});
+  } else {
+    const int half = step / 2;
+    for (int k = 0, x = x0; k < count; ++k, x += step)
+      s.set(k, top(x) + top(x + half) + bottom(x) + bottom(x + half));
+    for (int k = 0; k < count; ++k) to[k] = Row::bin({s.a[k] >> 2, s.b[k] >> 2, s.c[k] >> 2});
+  }
+}
+
 template <class Row>
 [[gnu::always_inline]] inline void read_rows(const ImageView& frame, BinImage& out) {
   ColorBin* to = out.bins.data();
   const int step = out.step_px, half = step / 2;
   const int x0 = out.x0_px, x1 = x0 + out.width * step;
   for (int v = 0; v < out.height; ++v, to += out.width) {
-    const int y = out.y0_px + v * step;
-    const Row top(frame, y);
-    const int ahead = std::min(y + kRowsAhead * step, frame.height_px - step);
+    const int y = out.y0_px + v * step,
+              ahead = std::min(y + kRowsAhead * step, frame.height_px - step);
     Row(frame, ahead).prefetch(x0, x1);
     if (step > 1) Row(frame, ahead + half).prefetch(x0, x1);
-    if (step == 1) {
-      for (int u = 0; u < out.width; ++u) to[u] = Row::bin(top(x0 + u));
-      continue;
-    }
-    const Row bottom(frame, y + half);
-    if (step == 2) {  // in two loops, each of which can be vectorised
-      for (int u0 = 0; u0 < out.width; u0 += kChunk) {
-        std::uint16_t a[2 * kChunk], b[2 * kChunk], c[2 * kChunk];
-        const int count = std::min(kChunk, out.width - u0), first = x0 + 2 * u0;
-        for (int k = 0; k < 2 * count; ++k) {
-          const Color p = top(first + k), q = bottom(first + k);
-          a[k] = static_cast<std::uint16_t>(p.a + q.a);
-          b[k] = static_cast<std::uint16_t>(p.b + q.b);
-          c[k] = static_cast<std::uint16_t>(p.c + q.c);
-        }
-        for (int k = 0; k < count; ++k)
-          to[u0 + k] = Row::bin({(a[2 * k] + a[2 * k + 1]) >> 2, (b[2 * k] + b[2 * k + 1]) >> 2,
-                                 (c[2 * k] + c[2 * k + 1]) >> 2});
-      }
-      continue;
-    }
-    for (int u0 = 0; u0 < out.width; u0 += kChunk) {
-      std::uint16_t a[kChunk], b[kChunk], c[kChunk];
-      const int count = std::min(kChunk, out.width - u0);
-      for (int k = 0, x = x0 + u0 * step; k < count; ++k, x += step) {
-        const Color p = top(x), q = top(x + half), r = bottom(x), s = bottom(x + half);
-        a[k] = static_cast<std::uint16_t>(p.a + q.a + r.a + s.a);
-        b[k] = static_cast<std::uint16_t>(p.b + q.b + r.b + s.b);
-        c[k] = static_cast<std::uint16_t>(p.c + q.c + r.c + s.c);
-      }
-      for (int k = 0; k < count; ++k) to[u0 + k] = Row::bin({a[k] >> 2, b[k] >> 2, c[k] >> 2});
-    }
+    const Row top(frame, y), bottom(frame, y + half);
+    for (int u = 0; u < out.width; u += kChunk)
+      read_chunk(top, bottom, x0 + u * step, step, std::min(kChunk, out.width - u), to + u);
   }
 }
 

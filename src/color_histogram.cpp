@@ -24,11 +24,22 @@ struct Levels {
 };
 constexpr Levels kLuma{0, kBinLevels}, kChroma{kFineChroma, kCoarseChroma};
 
-/// The fine levels of a row.
-[[gnu::always_inline]] inline void smooth_along(const BinSmoothing& s, int reach, Row& row) {
-  constexpr int kLevels = kCoarseChroma - kFineChroma;
+/// A row, its fine levels smoothed.
+[[gnu::always_inline]] inline void smooth_along(const BinSmoothing& s, int reach, const Row& from,
+                                                Row& to) {
+  constexpr int kLevels = kCoarseChroma - kFineChroma, kLast = kCoarseChroma - 1;
+  to = from;
+  if (reach == 1) {  // most often: without a copy
+    const float side = s.weight[1], middle = s.weight[0];
+    for (int k = kFineChroma + 1; k < kLast; ++k)
+      to[k] = side * from[k - 1] + middle * from[k] + side * from[k + 1];
+    to[kFineChroma] =
+        side * from[kFineChroma] + middle * from[kFineChroma] + side * from[kFineChroma + 1];
+    to[kLast] = side * from[kLast - 1] + middle * from[kLast] + side * from[kLast];
+    return;
+  }
   std::array<float, 3 * kLevels> padded;  // from level kFineChroma - kLevels on
-  for (int k = 0; k < kLevels; ++k) padded[kLevels + k] = row[kFineChroma + k];
+  for (int k = 0; k < kLevels; ++k) padded[kLevels + k] = from[kFineChroma + k];
   for (int k = 1; k <= reach; ++k) {
     padded[kLevels - k] = padded[kLevels + k - 1];
     padded[2 * kLevels - 1 + k] = padded[2 * kLevels - k];
@@ -36,30 +47,42 @@ constexpr Levels kLuma{0, kBinLevels}, kChroma{kFineChroma, kCoarseChroma};
   std::array<float, kLevels> sum{};
   for (int apart = -reach; apart <= reach; ++apart) {
     const float weight = s.weight[std::abs(apart)];
-    const float* from = padded.data() + kLevels + apart;
-    for (int k = 0; k < kLevels; ++k) sum[k] += weight * from[k];
+    const float* at = padded.data() + kLevels + apart;
+    for (int k = 0; k < kLevels; ++k) sum[k] += weight * at[k];
   }
-  for (int k = 0; k < kLevels; ++k) row[kFineChroma + k] = sum[k];
+  for (int k = 0; k < kLevels; ++k) to[kFineChroma + k] = sum[k];
 }
 
-/// The rows of fine chroma.
+/// The rows of fine chroma among those that are filled.
 [[gnu::always_inline]] inline void smooth_across(const BinSmoothing& s, int reach,
-                                                 BinPlane& plane) {
-  const std::uint32_t held = plane.filled & (bit(kCoarseChroma) - bit(kFineChroma));
-  std::array<Row, kBinLevels> before;
-  for_each_row(held, [&](int row) { before[row] = plane.rows[row]; });
+                                                 const std::array<Row, kBinLevels>& from,
+                                                 BinPlane& to) {
+  const std::uint32_t fine = bit(kCoarseChroma) - bit(kFineChroma), held = to.filled & fine;
+  for_each_row(to.filled & ~fine, [&](int row) { to.rows[row] = from[row]; });
   for (int row = kChroma.begin; held != 0 && row < kChroma.end; ++row) {
     const std::uint64_t reached = ((std::uint64_t{2} << 2 * reach) - 1) << row >> reach;
     if ((held & reached) == 0) continue;
+    to.filled |= bit(row);
+    const auto tap = [&](int apart) {
+      const int at = kChroma.mirrored(row + apart);
+      return (held & bit(at)) != 0 ? &from[at] : nullptr;
+    };
+    if (reach == 1) {
+      const auto row_of = [](const Row* r) -> const Row& { return r ? *r : BinPlane::kEmpty; };
+      const Row &before = row_of(tap(-1)), &here = row_of(tap(0)), &after = row_of(tap(1));
+      const float side = s.weight[1], middle = s.weight[0];
+      for (int k = 0; k < kBinLevels; ++k)
+        to.rows[row][k] = side * before[k] + middle * here[k] + side * after[k];
+      continue;
+    }
     Row sum{};
     for (int apart = -reach; apart <= reach; ++apart) {
-      const int from = kChroma.mirrored(row + apart);
-      if ((held & bit(from)) == 0) continue;
+      const Row* const at = tap(apart);
+      if (at == nullptr) continue;
       const float weight = s.weight[std::abs(apart)];
-      for (int k = 0; k < kBinLevels; ++k) sum[k] += weight * before[from][k];
+      for (int k = 0; k < kBinLevels; ++k) sum[k] += weight * (*at)[k];
     }
-    plane.rows[row] = sum;
-    plane.filled |= bit(row);
+    to.rows[row] = sum;
   }
 }
 
@@ -84,8 +107,9 @@ constexpr Levels kLuma{0, kBinLevels}, kChroma{kFineChroma, kCoarseChroma};
     const int from = kLuma.mirrored(luma + apart);
     add_rows(count + first_bin(from, 0), filled[from], s.weight[std::abs(apart)], out);
   }
-  for_each_row(out.filled, [&](int row) { smooth_along(s, reach, out.rows[row]); });
-  smooth_across(s, reach, out);
+  std::array<Row, kBinLevels> along;
+  for_each_row(out.filled, [&](int row) { smooth_along(s, reach, out.rows[row], along[row]); });
+  smooth_across(s, reach, along, out);
 }
 
 HANDYAR_VECTORISED void smooth_plane(const float* count, const ColorHistogram::Filled& filled,
@@ -148,8 +172,8 @@ void ColorHistogram::clear() noexcept {
 
 void ColorHistogram::add(std::span<const ColorBin> bins) noexcept {
   for (const ColorBin b : bins) {
+    if (count_[b] == 0) mark(b);
     count_[b] += 1;
-    mark(b);
   }
   total_ += static_cast<float>(bins.size());
 }

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "vectorised.hpp"
 
@@ -123,30 +124,31 @@ bool fit_ellipse(std::span<const Eigen::Vector2f> points, Ellipse& out) noexcept
   if (std::abs(S3.determinant()) < 1e-9) return false;
   const Eigen::Matrix3d T = -S3.inverse() * S2.transpose();
   const Eigen::Matrix3d M = S1 + S2 * T;
-  Eigen::Matrix3d reduced;  // inverse of the constraint matrix 4ac - b^2 = 1, times M
-  reduced.row(0) = 0.5 * M.row(2);
-  reduced.row(1) = -M.row(1);
-  reduced.row(2) = 0.5 * M.row(0);
-  const Eigen::EigenSolver<Eigen::Matrix3d> solver(reduced);
-  for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d q = solver.eigenvectors().col(i).real();
-    if (!(4 * q[0] * q[2] - q[1] * q[1] > 0)) continue;
-    const Eigen::Vector3d l = T * q;
-    Eigen::Matrix2d A;
-    A << q[0], q[1] / 2, q[1] / 2, q[2];
-    const Eigen::Vector2d center = -0.5 * A.inverse() * l.head<2>();
-    const double value = center.dot(A * center) - l[2];  // x' A x = value around the centre
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(A);
-    const Eigen::Vector2d squares = value * axes.eigenvalues().cwiseInverse();
-    if (!(squares.minCoeff() > 0)) return false;
-    const int major = squares[0] > squares[1] ? 0 : 1;
-    out.center = (center * scale + mean).cast<float>();
-    out.axis = axes.eigenvectors().col(major).cast<float>();
-    out.major = static_cast<float>(std::sqrt(squares[major]) * scale);
-    out.minor = static_cast<float>(std::sqrt(squares[1 - major]) * scale);
-    return std::isfinite(out.major) && std::isfinite(out.minor);
-  }
-  return false;
+  // Least q' M q where q' C q = 4ac - b^2 = 1: with M = L L' the largest eigenvector of
+  // L^-1 C L^-T. Points that lie on an ellipse exactly make M singular: hence the little more.
+  Eigen::Matrix3d C;
+  C << 0, 0, 2, 0, -1, 0, 2, 0, 0;
+  const Eigen::LLT<Eigen::Matrix3d> cholesky(M + 1e-12 * M.trace() * Eigen::Matrix3d::Identity());
+  const Eigen::Matrix3d half = cholesky.matrixL().solve(C);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(cholesky.matrixL().solve(half.transpose()));
+  if (!(solver.eigenvalues()[2] > 0)) return false;
+  const Eigen::Vector3d q = cholesky.matrixU().solve(solver.eigenvectors().col(2)).normalized();
+  const Eigen::Vector3d l = T * q;
+  Eigen::Matrix2d A;
+  A << q[0], q[1] / 2, q[1] / 2, q[2];
+  const Eigen::Vector2d center = -0.5 * A.inverse() * l.head<2>();
+  const double value = center.dot(A * center) - l[2];  // x' A x = value around the centre
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(A);
+  const Eigen::Vector2d squares = value * axes.eigenvalues().cwiseInverse();
+  if (!(squares.minCoeff() > 0)) return false;
+  const int major = squares[0] > squares[1] ? 0 : 1;
+  out.center = (center * scale + mean).cast<float>();
+  out.axis = axes.eigenvectors().col(major).cast<float>();
+  out.major = static_cast<float>(std::sqrt(squares[major]) * scale);
+  out.minor = static_cast<float>(std::sqrt(squares[1 - major]) * scale);
+  return std::isfinite(out.major) && std::isfinite(out.minor);
 }
 
 Eigen::Vector2f Ellipse::end_away_from(const Eigen::Vector2f& base) const noexcept {
@@ -195,8 +197,18 @@ Eigen::Vector2f measure_valley(const Contour& contour, const Eigen::Vector2f& ne
   const int n = contour.size();
   if (n < 8) return near;
   int nearest = 0;
-  for (int i = 1; i < n; ++i)
-    if ((contour[i] - near).squaredNorm() < (contour[nearest] - near).squaredNorm()) nearest = i;
+  float nearest_px = (contour[0] - near).norm();
+  const auto compare = [&](int i) {
+    const float px = (contour[i] - near).norm();
+    if (px < nearest_px) {
+      nearest = i;
+      nearest_px = px;
+    }
+    return px - nearest_px;
+  };
+  for (int i = 0; i < n; i += 16) compare(i);
+  // Neighbours lie at most sqrt(2) apart: far from the nearest point there is no nearer one soon.
+  for (int i = 0; i < n;) i += 1 + static_cast<int>(compare(i) / std::numbers::sqrt2_v<float>);
 
   const Eigen::Vector2d along = (next_tip - tip).cast<double>().normalized();
   Eigen::Vector2d inwards(-along.y(), along.x());

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "fast_log.hpp"
 #include "vectorised.hpp"
 
 namespace handyar {
@@ -47,17 +48,8 @@ std::vector<std::uint8_t> prior_of(const SkinColors& colors) {
   return table;
 }
 
-/// Natural logarithm to 1e-3, by the exponent and a cubic; the table needs no more.
-[[gnu::always_inline]] inline float fast_log(float x) {
-  const auto bits = std::bit_cast<std::uint32_t>(x);
-  const float exponent = static_cast<float>(static_cast<int>(bits >> 23) - 127);
-  const float m = std::bit_cast<float>((bits & 0x007fffffu) | 0x3f800000u) - 1.0f;
-  const float log2m = m * (1.4385f + m * (-0.6765f + m * (0.3196f - 0.0822f * m)));
-  return 0.6931472f * (exponent + log2m);
-}
-
 /// exp(-x / 8) to 1e-4: what an entry of the priors' tables stands for.
-[[gnu::always_inline]] inline float probability_of(std::uint8_t x) {
+[[gnu::always_inline]] inline float probability_of(int x) {
   const float log2p = -0.18033688f * static_cast<float>(x);
   const int whole = static_cast<int>(log2p) - 1;
   const float part = log2p - static_cast<float>(whole);  // 0 .. 1
@@ -72,18 +64,32 @@ struct RowShares {
   float count_weight, prior_weight;
 };
 
-/// Ratios of a row of bins.
-HANDYAR_VECTORISED void mix_row(const RowShares& hand, const RowShares& background,
+/// Ratios of a row of bins: of `all`, or of those that lie close to one that was seen.
+HANDYAR_VECTORISED void mix_row(const RowShares& hand, const RowShares& background, bool all,
                                 std::int8_t* __restrict out) {
   constexpr float kLimit = 32;
-  for (int k = 0; k < kBinLevels; ++k) {
-    const float p =
-        hand.count_weight * hand.count[k] + hand.prior_weight * probability_of(hand.prior[k]);
-    const float q = background.count_weight * background.count[k] +
-                    background.prior_weight * probability_of(background.prior[k]);
-    const float ratio = 8 * (fast_log(p + kMinProbability) - fast_log(q + kMinProbability));
-    out[k] = static_cast<std::int8_t>(std::clamp(ratio, -kLimit, kLimit));
+  constexpr int kBlock = 8;  // bins in a vector
+  // No loop with numbers of several sizes: vectors are as full as the smallest.
+  std::array<int, kBinLevels> hand_prior, background_prior, ratio;
+  for (int k = 0; k < kBinLevels; ++k) hand_prior[k] = hand.prior[k];
+  for (int k = 0; k < kBinLevels; ++k) background_prior[k] = background.prior[k];
+  for (int k = 0; k < kBinLevels; ++k) ratio[k] = out[k];
+  for (int first = 0; first < kBinLevels; first += kBlock) {
+    std::uint32_t seen = all;  // no count is negative
+    for (int k = first; k < first + kBlock; ++k)
+      seen |= std::bit_cast<std::uint32_t>(hand.count[k]) |
+              std::bit_cast<std::uint32_t>(background.count[k]);
+    if (seen == 0) continue;
+    for (int k = first; k < first + kBlock; ++k) {
+      const float p =
+          hand.count_weight * hand.count[k] + hand.prior_weight * probability_of(hand_prior[k]);
+      const float q = background.count_weight * background.count[k] +
+                      background.prior_weight * probability_of(background_prior[k]);
+      const float log_ratio = fast_log(p + kMinProbability) - fast_log(q + kMinProbability);
+      ratio[k] = static_cast<int>(std::clamp(8 * log_ratio, -kLimit, kLimit));
+    }
   }
+  for (int k = 0; k < kBinLevels; ++k) out[k] = static_cast<std::int8_t>(ratio[k]);
 }
 
 /// The colours of the hand or of the background: by the prior and, where enough of them were seen,
@@ -113,14 +119,15 @@ struct Colors {
   }
 };
 
-/// Ratios of the rows that are filled, or of all.
+/// Ratios of all colours, or of those that were seen.
 void mix(Colors hand, Colors background, bool all, SkinModel::Ratios& out) noexcept {
   constexpr std::uint32_t kAll = ~std::uint32_t{0};
   for (int luma = 0; luma < kBinLevels; ++luma) {
     hand.smooth(luma);
     background.smooth(luma);
     for_each_row(all ? kAll : hand.plane.filled | background.plane.filled, [&](int row) {
-      mix_row(hand.row(luma, row), background.row(luma, row), out.data() + first_bin(luma, row));
+      mix_row(hand.row(luma, row), background.row(luma, row), all,
+              out.data() + first_bin(luma, row));
     });
   }
 }

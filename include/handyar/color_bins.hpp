@@ -27,12 +27,9 @@ constexpr ColorBin color_bin(std::uint16_t luma256, std::int16_t yellowness256,
                              std::int16_t redness256) noexcept {
   using Short = std::int16_t;
   const auto level = [](Short chroma256) {
-    constexpr Short kFrom = -8 * 256, kTo = 40 * 256, kZero = 0;
-    const auto fine = std::clamp<Short>(Short(chroma256 >> 9), kFrom >> 9, kTo >> 9);
-    const auto below = Short(Short(std::min(chroma256, kZero) - kFrom) >> 13);
-    const auto above = Short(Short(std::max(chroma256, kZero) - kTo) >> 13);
-    return Short(kFineChroma - (kFrom >> 9) + fine + std::clamp<Short>(below, -kFineChroma, 0) +
-                 std::clamp<Short>(above, 0, kBinLevels - 1 - kCoarseChroma));
+    constexpr Short kFrom = -8 * 256, kTo = 40 * 256;
+    const Short fine = std::clamp(chroma256, kFrom, kTo);
+    return Short(kFineChroma - (kFrom >> 9) + (fine >> 9) + (Short(chroma256 - fine) >> 13));
   };
   return static_cast<ColorBin>(ColorBin(ColorBin(luma256 >> 11) << 10) |
                                ColorBin(level(yellowness256) << 5) | ColorBin(level(redness256)));
