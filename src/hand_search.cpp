@@ -6,6 +6,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "fast_log.hpp"
 #include "skin_samples.hpp"
 #include "vectorised.hpp"
 
@@ -47,11 +48,51 @@ bool may_be_hand(const Component& c, const Contour& contour) {
   return lobed > kLeastLobed && lobed < kMostLobed;
 }
 
-/// Sets bit k of the marks of a row of bins whose channel times `sign` is above the threshold.
-HANDYAR_VECTORISED void mark_row(const std::int8_t* channel, int sign, int threshold, int k,
-                                 std::uint32_t* __restrict marks) {
-  for (int i = 0; i < kBinLevels; ++i)
-    marks[i] |= std::uint32_t{sign * channel[i] > threshold} << k;
+/// Shares of a row of bins: counts and what each counts.
+struct Share {
+  const float* count;
+  float weight;
+};
+constexpr float kLeastShare = 1e-6f;
+
+/// How much more of each colour the one has than the other: the log of the ratio, in eighths of a
+/// nat. In loops of numbers of one size, so that vectors are full.
+HANDYAR_VECTORISED void compare(const Share& one, const Share& other, std::int8_t* __restrict out) {
+  std::array<int, kBinLevels> ratio;
+  for (int k = 0; k < kBinLevels; ++k) {
+    const float log_ratio = fast_log(one.weight * one.count[k] + kLeastShare) -
+                            fast_log(other.weight * other.count[k] + kLeastShare);
+    ratio[k] = static_cast<int>(std::clamp(8 * log_ratio, -127.0f, 127.0f));
+  }
+  for (int k = 0; k < kBinLevels; ++k) out[k] = static_cast<std::int8_t>(ratio[k]);
+}
+
+/// The same for a prior's table, which holds -log probability in eighths of a nat.
+HANDYAR_VECTORISED void compare_with_prior(const std::uint8_t* prior, const Share& other,
+                                           std::int8_t* __restrict out) {
+  std::array<int, kBinLevels> ratio;
+  for (int k = 0; k < kBinLevels; ++k) ratio[k] = prior[k];
+  for (int k = 0; k < kBinLevels; ++k) {
+    const float log_share = fast_log(std::max(other.weight * other.count[k], kLeastShare));
+    ratio[k] = static_cast<int>(
+        std::clamp(-8 * log_share - static_cast<float>(ratio[k]), -127.0f, 127.0f));
+  }
+  for (int k = 0; k < kBinLevels; ++k) out[k] = static_cast<std::int8_t>(ratio[k]);
+}
+
+/// Sets bit k of the marks of a luma's bins whose channel is above the threshold, or below it.
+HANDYAR_VECTORISED void mark_rows(const std::int8_t* channel, std::uint32_t rows, bool below,
+                                  std::int8_t threshold, int k, std::uint32_t* __restrict marks) {
+  for_each_row(rows, [&](int row) {
+    const std::int8_t* const at = channel + row * kBinLevels;
+    std::uint32_t* const to = marks + row * kBinLevels;
+    std::array<std::uint8_t, kBinLevels> beyond;
+    if (below)
+      for (int i = 0; i < kBinLevels; ++i) beyond[i] = at[i] < threshold;
+    else
+      for (int i = 0; i < kBinLevels; ++i) beyond[i] = at[i] > threshold;
+    for (int i = 0; i < kBinLevels; ++i) to[i] |= std::uint32_t{beyond[i]} << k;
+  });
 }
 
 /// Spreads counts of coarse colours over the neighbouring levels of one channel (1 2 1).
@@ -110,6 +151,7 @@ HandSearch::HandSearch(MaskStages& stages, const HandSearchConfig& config,
       config_(config),
       shape_config_(shape_to_look_for(config, shape)),
       shape_model_(model),
+      seen_bins_(kBinCount + 1),
       coarse_(kCoarseCount),
       patch_(kCoarseCount),
       patch_smooth_(kCoarseCount),
@@ -125,7 +167,6 @@ void HandSearch::reserve(int max_pixels, int max_side) {
   for (Mask* mask : {&scratch_mask_, &found_mask_}) mask->reserve(max_pixels, max_side);
   outlines_.reserve(max_pixels, max_side);
   expectation_.ratios.resize(max_pixels / 4 + max_side);
-  seen_bins_.reserve(kBinCount);
 }
 
 void HandSearch::reset() noexcept {
@@ -137,31 +178,33 @@ void HandSearch::read_scene(const BinView& image, const SkinModel& skin) noexcep
   scene_colors_.clear();
   for (int v = 0; v < image.height; ++v)
     scene_colors_.add({image.row(v), static_cast<std::size_t>(image.width)});
-  seen_bins_.clear();
+  seen_count_ = 0;
   std::ranges::fill(coarse_, 0.0f);
+  const float share = 1 / scene_colors_.total();  // of a pixel
   const BinSmoothing smoothing;
   BinPlane scene, hand;
   for (int luma = 0; luma < kBinLevels; ++luma) {
     scene_colors_.smooth(smoothing, luma, scene);
     skin.learned_hand().smooth(smoothing, luma, hand);
     for_each_row(scene.filled, [&](int row) {
-      const int begin = first_bin(luma, row);
-      float* const coarse_row = coarse_.data() + coarse(begin);
-      for (int k = 0; k < kBinLevels; ++k)
-        coarse_row[k / 2] += scene.rows[row][k] / scene_colors_.total();
+      float* const coarse_row = coarse_.data() + coarse(first_bin(luma, row));
+      const float* const count = scene.rows[row].data();
+      for (int k = 0; k < kCoarseLevels; ++k)
+        coarse_row[k] += share * (count[2 * k] + count[2 * k + 1]);
     });
     for_each_row(scene_colors_.filled()[luma], [&](int row) {
-      for (int k = 0; k < kBinLevels; ++k) {
-        const int i = first_bin(luma, row) + k;
-        if (scene_colors_[static_cast<ColorBin>(i)] == 0) continue;
-        seen_bins_.push_back(static_cast<ColorBin>(i));
-        const float share = scene.rows[row][k] / scene_colors_.total();
-        scene_[i] = clamp8(-skin.prior_skin()[i] - 8 * std::log(std::max(share, 1e-6f)));
-        if (!skin.has_learned()) continue;
-        // However the hand was learned: how much more of a colour it has than this frame.
-        const float of_hand = hand.row(row)[k] / skin.learned_hand().total();
-        known_[i] = clamp8(8 * std::log((of_hand + 1e-6f) / (share + 1e-6f)));
+      const int begin = first_bin(luma, row);
+      for (int i = begin; i < begin + kBinLevels; ++i) {
+        const auto bin = static_cast<ColorBin>(i);
+        seen_bins_[seen_count_] = bin;  // no branch: there is no foreseeing it
+        seen_count_ += scene_colors_[bin] != 0;
       }
+      const Share of_scene{scene.rows[row].data(), share};
+      compare_with_prior(skin.prior_skin().data() + begin, of_scene, scene_.data() + begin);
+      // However the hand was learned: how much more of a colour it has than this frame.
+      if (skin.has_learned())
+        compare({hand.row(row).data(), 1 / skin.learned_hand().total()}, of_scene,
+                known_.data() + begin);
     });
   }
 }
@@ -170,7 +213,8 @@ void HandSearch::add_levels(const Channel& channel, int levels) noexcept {
   // Thresholds that cut the scene's distribution of this channel where it is thin (Lloyd's
   // quantiser): between its clusters.
   std::array<float, 256> histogram{};
-  for (const ColorBin i : seen_bins_) histogram[channel[i] + 128] += scene_colors_[i];
+  for (const ColorBin i : std::span(seen_bins_).first(seen_count_))
+    histogram[channel[i] + 128] += scene_colors_[i];
   float sum_of_all = 0;
   for (const float c : histogram) sum_of_all += c;
   std::array<float, 9> center;
@@ -194,16 +238,16 @@ void HandSearch::add_levels(const Channel& channel, int levels) noexcept {
   }
   for (int k = 0; k < levels; ++k) {
     const int cut = static_cast<int>(0.5f * (center[k] + center[k + 1])) - 128;
-    readings_[reading_count_++] = {&channel, cut};
-    readings_[reading_count_++] = {&channel, -cut, true};
+    readings_[reading_count_++] = {&channel, static_cast<std::int8_t>(cut)};
+    readings_[reading_count_++] = {&channel, static_cast<std::int8_t>(cut), true};
   }
 }
 
 void HandSearch::list_readings(const BinView& image, const Channel& prior) noexcept {
   reading_count_ = 0;
   const auto add = [&](const Reading& r) { readings_[reading_count_++] = r; };
-  for (const int t : {-8, 0, 8, 16}) add({&prior, t});
-  for (const int t : {-16, -12, -8, -4, 0, 8}) add({&scene_, t});
+  for (const std::int8_t t : {-8, 0, 8, 16}) add({&prior, t});
+  for (const std::int8_t t : {-16, -12, -8, -4, 0, 8}) add({&scene_, t});
   for (const Channel* channel : {&kLuma, &kRedness, &kBlueness}) add_levels(*channel, 5);
   // Patches, the most skin-like first; the darkest hand is still likelier skin than most things.
   std::array<std::pair<float, int>, kPatchColumns * kPatchRows> patches;
@@ -243,22 +287,31 @@ void HandSearch::read_patch(const BinView& image, int patch) noexcept {
 
 /// Bit k of a bin's mark: reading k takes its colour for the hand's.
 void HandSearch::mark_bins(const BinView& image, std::span<const Reading> readings) noexcept {
-  std::ranges::fill(marks_, 0u);
+  for (int luma = 0; luma < kBinLevels; ++luma)
+    for_each_row(scene_colors_.filled()[luma], [&](int row) {
+      std::fill_n(marks_.begin() + first_bin(luma, row), kBinLevels, 0u);
+    });
   for (std::size_t k = 0; k < readings.size(); ++k) {
     const Reading& reading = readings[k];
     if (reading.patch >= 0) read_patch(image, reading.patch);
-    for (int luma = 0; luma < kBinLevels; ++luma)
-      for_each_row(scene_colors_.filled()[luma], [&](int row) {
-        const int begin = first_bin(luma, row);
-        std::uint32_t* const marks = marks_.data() + begin;
-        if (reading.patch >= 0) {
-          const bool* in_patch = in_patch_.data() + coarse(begin);
-          for (int i = 0; i < kBinLevels; ++i) marks[i] |= std::uint32_t{in_patch[i / 2]} << k;
-        } else {
-          mark_row(reading.channel->data() + begin, reading.below ? -1 : 1, reading.threshold,
-                   static_cast<int>(k), marks);
+    for (int luma = 0; luma < kBinLevels; ++luma) {
+      const std::uint32_t rows = scene_colors_.filled()[luma];
+      const int begin = first_bin(luma, 0);
+      if (reading.patch < 0) {
+        mark_rows(reading.channel->data() + begin, rows, reading.below, reading.threshold,
+                  static_cast<int>(k), marks_.data() + begin);
+        continue;
+      }
+      for_each_row(rows, [&](int row) {
+        std::uint32_t* const marks = marks_.data() + first_bin(luma, row);
+        const bool* const in_patch = in_patch_.data() + coarse(first_bin(luma, row));
+        for (int i = 0; i < kCoarseLevels; ++i) {
+          const std::uint32_t mark = std::uint32_t{in_patch[i]} << k;
+          marks[2 * i] |= mark;
+          marks[2 * i + 1] |= mark;
         }
       });
+    }
   }
 }
 
@@ -352,7 +405,7 @@ bool HandSearch::find(const BinView& image, const SkinModel& skin, HandShape& sh
   std::array<Reading, kMaxAtOnce> now;
   int learned = 0;
   if (skin.has_learned())
-    for (const int t : {0, 6, 12}) now[learned++] = {&known_, t};
+    for (const std::int8_t t : {0, 6, 12}) now[learned++] = {&known_, t};
   const int room = static_cast<int>(masks_.size()) - learned;
   const int turns = std::min({config_.readings_per_frame, reading_count_, room});
   for (int k = 0; k < turns; ++k) now[learned + k] = readings_[(next_ + k) % reading_count_];
@@ -367,8 +420,8 @@ bool HandSearch::find(const BinView& image, const SkinModel& skin, HandShape& sh
     if (!try_regions(shape)) continue;
     found = true;
     found_by_skin_ = k < learned;
+    if (shape.deviation < shape_config_.sure_deviation) return true;
   }
-  if (shape.deviation < shape_config_.sure_deviation) return true;
   const HandShape* proposed = nullptr;
   for (const HandShape& proposal : outlines_.find(image))
     if (try_proposal(image, skin, proposal, shape)) proposed = &proposal;

@@ -64,8 +64,8 @@ class HandSearch {
   static constexpr int kMaxAtOnce = 32;  ///< readings: a bit each
   struct Reading {
     const Channel* channel = nullptr;
-    int threshold = 0;
-    bool below = false;  ///< the channel's negative: a hand may lie on either side of a threshold
+    std::int8_t threshold = 0;
+    bool below = false;  ///< what lies below it: a hand may lie on either side
     int patch = -1;      ///< not a channel but the colours of this patch
   };
   void read_scene(const BinView& image, const SkinModel& skin) noexcept;
@@ -76,7 +76,6 @@ class HandSearch {
   void draw_masks(const BinView& image, int count) noexcept;
   bool try_region(float palm_radius, HandShape& best) noexcept;
   bool try_regions(HandShape& best) noexcept;
-  void read_around(const BinView& image, const HandShape& hand) noexcept;
   bool try_proposal(const BinView& image, const SkinModel& skin, const HandShape& proposal,
                     HandShape& best) noexcept;
 
@@ -86,7 +85,8 @@ class HandSearch {
   HandShapeModel shape_model_;
   Channel known_, scene_;
   ColorHistogram scene_colors_;      ///< of the frame, later of what surrounds a proposal
-  std::vector<ColorBin> seen_bins_;  ///< that the scene has; channels need no others
+  std::vector<ColorBin> seen_bins_;  ///< that the scene has
+  std::size_t seen_count_ = 0;
   std::vector<float> coarse_, patch_, patch_smooth_;
   std::array<bool, 4096> in_patch_{};
   std::array<Reading, 128> readings_;
