@@ -48,8 +48,9 @@ HANDYAR_VECTORISED void RegionFinder::classify(const BinView& image,
                                                std::span<const std::int8_t> ratios,
                                                const ExpectedRegion& expected) noexcept {
   const int w = image.width, h = image.height;
+  const bool all_inside = expected.one_for_all() && *expected.row(0) == ExpectedRegion::kInside;
   mask_.resize(w, h);
-  colored_.resize(w, h);
+  if (!all_inside) colored_.resize(w, h);
   const std::int8_t* table = ratios.data();
   // Sliding 3x3 sum: rows_[v % 3] holds row v summed over three columns, edges repeated.
   const auto sum_row = [&](int v) __attribute__((always_inline)) {
@@ -70,6 +71,11 @@ HANDYAR_VECTORISED void RegionFinder::classify(const BinView& image,
                        *below = rows_[down % 3].data();
     const ColorBin *bins = image.row(v), *bins_up = image.row(up), *bins_down = image.row(down);
     std::uint8_t *to = flags_.data(), *colored = colored_flags_.data();
+    if (all_inside) {
+      for (int u = 0; u < w; ++u) to[u] = above[u] + at[u] + below[u] > 0;
+      mask_.set_row(v, to);
+      continue;
+    }
     const std::int8_t* place = expected.row(v);
     for (int u = 0; u < w; ++place) {
       const int end = std::min(u + expected.cell, w), limit = -9 * *place;
@@ -93,6 +99,7 @@ HANDYAR_VECTORISED void RegionFinder::classify(const BinView& image,
     mask_.set_row(v, to);
     colored_.set_row(v, colored);
   }
+  if (all_inside) colored_.copy(mask_);
 }
 
 void RegionFinder::remove_thin(int radius) noexcept {
