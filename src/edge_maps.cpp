@@ -6,12 +6,28 @@
 #include <cmath>
 #include <numbers>
 
+#include "vectorised.hpp"
+
 namespace handyar {
 namespace {
 
 constexpr int kBeyond = 6;         // what the margin holds: about what a picture holds
 constexpr int kHalfStrength = 12;  // difference of two neighbours that counts for a half
 constexpr int kTableReach = 63;    // of the table of edges; larger differences are halved
+
+// Levels of luma, yellowness and redness side by side in a word, which has room for sums of 33.
+constexpr int kFieldBits = 10;
+constexpr float kMostScale = 32;
+constexpr std::uint32_t kField = (1u << kFieldBits) - 1;
+
+HANDYAR_VECTORISED void add_levels(const ColorBin* bins, int count,
+                                   std::uint32_t* __restrict sums) {
+  for (int k = 0; k < count; ++k) {
+    const std::uint32_t b = bins[k];
+    sums[k] +=
+        (b & 31 << 10) << 2 * (kFieldBits - 5) | (b & 31 << 5) << (kFieldBits - 5) | (b & 31);
+  }
+}
 
 }  // namespace
 
@@ -73,19 +89,25 @@ void EdgeMaps::read_colors(const BinView& image, int width, int height) noexcept
     // Divisions would take a third of the time. Rounded up, these give the same.
     std::array<std::uint64_t, 3> inverse;
     for (int more = 0; more < 3; ++more) inverse[more] = kOne / ((least + more) * (y1 - y0)) + 1;
-    int x1 = 0;
+    std::array<std::uint32_t, 1024> columns;  // sums over the bins of each, from `first` on
+    int first = 0, last = 0, x1 = 0;
     for (int u = 0; u < width; ++u, color += 3) {
       const int x0 = x1;
       x1 = std::clamp(static_cast<int>(static_cast<float>(u + 1) * scale_), x0 + least,
                       x0 + least + 2);
+      if (x1 > last) {
+        first = x0;
+        last = std::min(first + static_cast<int>(columns.size()), image.width);
+        std::fill_n(columns.begin(), last - first, 0u);
+        for (int y = y0; y < y1; ++y)
+          add_levels(image.row(y) + first, last - first, columns.data());
+      }
       std::uint64_t luma = 0, yellowness = 0, redness = 0;
-      for (int y = y0; y < y1; ++y)
-        for (int x = x0; x < x1; ++x) {
-          const ColorBin b = image.at(x, y);
-          luma += b >> 10;
-          yellowness += b >> 5 & 31;
-          redness += b & 31;
-        }
+      for (int k = x0 - first; k < x1 - first; ++k) {
+        luma += columns[k] >> 2 * kFieldBits;
+        yellowness += columns[k] >> kFieldBits & kField;
+        redness += columns[k] & kField;
+      }
       const std::uint64_t per_bin = inverse[x1 - x0 - least];
       color[0] = static_cast<std::uint8_t>(8 * luma * per_bin >> kShift);
       color[1] = static_cast<std::uint8_t>(2 * yellowness * per_bin >> kShift);
@@ -98,7 +120,7 @@ bool EdgeMaps::read(const BinView& image, float scale) noexcept {
   const int w = static_cast<int>(static_cast<float>(image.width) / scale);
   const int h = static_cast<int>(static_cast<float>(image.height) / scale);
   const int width = (w + 2 * kMargin + 1) & ~1, height = h + 2 * kMargin, size = width * height;
-  if (!(scale >= 1) || static_cast<std::size_t>(size) > room_ ||
+  if (!(scale >= 1 && scale <= kMostScale) || static_cast<std::size_t>(size) > room_ ||
       static_cast<std::size_t>(width + 2) > highest_.size())
     return false;
   scale_ = scale;

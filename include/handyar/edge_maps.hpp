@@ -27,7 +27,8 @@ class EdgeMaps {
   /// their size or less.
   void reserve(int max_pixels, int max_side, float least_scale);
 
-  /// Reads `image` at 1/scale of its size, scale >= 1. False when there is no room for that.
+  /// Reads `image` at 1/scale of its size, scale from 1 to 32. False when there is no room for
+  /// that.
   bool read(const BinView& image, float scale) noexcept;
 
   // Sizes in pixels of the maps, with the margin. The even columns of a map lie together, row by
