@@ -19,17 +19,21 @@ constexpr int kPatchColumns = 10, kPatchRows = 8, kTriedPatches = 24;
 
 int coarse(int bin) { return (bin >> 11) << 8 | ((bin >> 6) & 15) << 4 | ((bin >> 1) & 15); }
 
-constexpr std::int8_t clamp8(double x) {
-  return static_cast<std::int8_t>(std::clamp(x, -127.0, 127.0));
-}
-
-/// What else than a ratio is read of a colour: a sum of Y, Cb and Cr, bin by bin.
+/// What else than a ratio is read of a colour: a sum of Y, Cb and Cr, bin by bin. A compiler takes
+/// about a million steps: hence the levels beforehand, and pointers.
 constexpr std::array<std::int8_t, kBinCount> channel(double of_y, double of_cb, double of_cr,
                                                      double offset) {
   std::array<std::int8_t, kBinCount> out{};
-  for (int i = 0; i < kBinCount; ++i) {
-    const auto [y, cb, cr] = ycbcr_of(static_cast<ColorBin>(i));
-    out[i] = clamp8(of_y * y + of_cb * cb + of_cr * cr + offset);
+  std::int8_t* to = out.data();
+  double redness[kBinLevels] = {};
+  for (int k = 0; k < kBinLevels; ++k) redness[k] = of_cr * ycbcr_of(static_cast<ColorBin>(k))[2];
+  for (int row = 0; row < kBinLevels * kBinLevels; ++row) {
+    const auto [y, cb, cr] = ycbcr_of(static_cast<ColorBin>(row * kBinLevels));
+    const double luma_and_yellowness = of_y * y + of_cb * cb;
+    for (const double of_redness : redness) {
+      const double x = luma_and_yellowness + of_redness + offset;
+      *to++ = static_cast<std::int8_t>(x < -127 ? -127 : x > 127 ? 127 : x);
+    }
   }
   return out;
 }
