@@ -29,7 +29,7 @@ constexpr Levels kLuma{0, kBinLevels}, kChroma{kFineChroma, kCoarseChroma};
                                                 Row& to) {
   constexpr int kLevels = kCoarseChroma - kFineChroma, kLast = kCoarseChroma - 1;
   to = from;
-  if (reach == 1) {  // most often: without a copy
+  if (reach == 1) {  // most often: needs no padding
     const float side = s.weight[1], middle = s.weight[0];
     for (int k = kFineChroma + 1; k < kLast; ++k)
       to[k] = side * from[k - 1] + middle * from[k] + side * from[k + 1];

@@ -71,11 +71,6 @@ HANDYAR_VECTORISED void RegionFinder::classify(const BinView& image,
                        *below = rows_[down % 3].data();
     const ColorBin *bins = image.row(v), *bins_up = image.row(up), *bins_down = image.row(down);
     std::uint8_t *to = flags_.data(), *colored = colored_flags_.data();
-    if (all_inside) {
-      for (int u = 0; u < w; ++u) to[u] = above[u] + at[u] + below[u] > 0;
-      mask_.set_row(v, to);
-      continue;
-    }
     const std::int8_t* place = expected.row(v);
     for (int u = 0; u < w; ++place) {
       const int end = std::min(u + expected.cell, w), limit = -9 * *place;
@@ -97,7 +92,7 @@ HANDYAR_VECTORISED void RegionFinder::classify(const BinView& image,
       }
     }
     mask_.set_row(v, to);
-    colored_.set_row(v, colored);
+    if (!all_inside) colored_.set_row(v, colored);
   }
   if (all_inside) colored_.copy(mask_);
 }

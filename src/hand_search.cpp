@@ -162,6 +162,7 @@ HandSearch::HandSearch(MaskStages& stages, const HandSearchConfig& config,
       marks_(kBinCount),
       masks_(std::min(config.readings_per_frame + kMaxLearned, kMaxAtOnce)),
       outlines_(config.outlines),
+      proposed_{},
       samples_(std::make_unique<SkinSamples>()) {}
 
 HandSearch::~HandSearch() = default;

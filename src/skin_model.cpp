@@ -134,7 +134,7 @@ void mix(Colors hand, Colors background, bool all, SkinModel::Ratios& out) noexc
 
 }  // namespace
 
-SkinModel::SkinModel(const SkinModelConfig& config) : config_(config) {
+SkinModel::SkinModel(const SkinModelConfig& config) : config_(config), prior_ratios_{}, unseen_{} {
   if (!config.personal.empty()) personal_ = prior_of(config.personal);
   mix({prior_skin(), 1}, {prior_other(), 1}, true, prior_ratios_);
   mix({prior_skin(), config_.hand_prior_weight}, {prior_other(), config_.background_prior_weight},

@@ -9,6 +9,7 @@
 #include "tracker_impl.hpp"
 
 namespace handyar {
+
 std::string_view name(State state) noexcept {
   switch (state) {
     case State::searching:
@@ -154,6 +155,12 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   const auto search = [&] {
     return clock.time(times.segmentation_ms, [&] { return t.find_anywhere(frame); });
   };
+  // As the search saw it.
+  const auto take_as_found = [&](const HandShape& found) {
+    t.shape = found;
+    return clock.time(times.segmentation_ms, [&] { return t.adopt_found(frame); }) &&
+           identify(true);
+  };
   // What the search finds is rough: its colours are learned and the hand is looked at again. If
   // that does not tell it from what surrounds it, what the search saw must do.
   const auto look_anew = [&] {
@@ -164,11 +171,7 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
       t.learn(t.bins, t.stages.region.mask(), t.found);
       seen = look(true);
     }
-    if (!seen && found.deviation < t.config.shape.max_deviation) {
-      t.shape = found;
-      seen =
-          clock.time(times.segmentation_ms, [&] { return t.adopt_found(frame); }) && identify(true);
-    }
+    if (!seen && found.deviation < t.config.shape.max_deviation) seen = take_as_found(found);
     if (seen)
       t.acquired_deviation = found.deviation;
     else
@@ -178,11 +181,7 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   bool seen = false;
   if (t.state == State::acquiring && search()) seen = look_anew();
   if (!seen && t.following) seen = look(false) || look_at_outline(false);
-  if (!seen && t.state == State::acquiring && t.found_again) {
-    t.shape = *t.found_again;
-    seen =
-        clock.time(times.segmentation_ms, [&] { return t.adopt_found(frame); }) && identify(true);
-  }
+  if (!seen && t.state == State::acquiring && t.found_again) seen = take_as_found(*t.found_again);
   if (!seen && (t.state == State::searching || t.state == State::lost)) {
     if (search()) {
       seen = look_anew();
