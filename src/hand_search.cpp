@@ -347,8 +347,20 @@ bool HandSearch::try_region(float palm_radius, HandShape& best) noexcept {
   return true;
 }
 
+/// Keeps the shape that one reading or outline shows; true when it is more like a hand than `best`,
+/// which it then is. Its origin in the frame counts only for what is kept.
+bool HandSearch::take(const HandShape& view, const Eigen::Vector2f& origin,
+                      HandShape& best) noexcept {
+  if (view_count_ < kMaxViews) views_[view_count_++] = view.transformed(1, origin);
+  if (view.deviation >= best.deviation) return false;
+  best = view;
+  return true;
+}
+
 /// Looks at the regions of what was classified; true when one is more like a hand than `best`.
 bool HandSearch::try_regions(HandShape& best) noexcept {
+  HandShape view;
+  view.deviation = static_cast<float>(shape_config_.max_deviation);
   stages_.region.remove_thin(1);
   const int pixels = stages_.region.mask().width * stages_.region.mask().height;
   const Component* winner = nullptr;
@@ -360,9 +372,9 @@ bool HandSearch::try_regions(HandShape& best) noexcept {
     const Disc disc = stages_.region.deepest(c);
     // The deepest point may lie in a forearm or in something that hangs together with the hand.
     for (const float scale : {1.0f, 0.6f})
-      if (disc.radius * scale > kLeastPalm && try_region(disc.radius * scale, best)) winner = &c;
+      if (disc.radius * scale > kLeastPalm && try_region(disc.radius * scale, view)) winner = &c;
   }
-  if (winner == nullptr) return false;
+  if (winner == nullptr || !take(view, Eigen::Vector2f::Zero(), best)) return false;
   stages_.region.keep_only(*winner);
   found_mask_.copy(stages_.region.mask());
   return true;
@@ -384,20 +396,36 @@ bool HandSearch::try_proposal(const BinView& image, const SkinModel& skin,
   skin.ratios_of_found(hand_colors_, scene_colors_, proposed_);
   hand.expect(part.width, part.height, expectation_);
   const int min_area = static_cast<int>(config_.min_area_share * image.width * image.height);
+  HandShape view;
+  view.deviation = static_cast<float>(shape_config_.max_deviation);
   bool found = false;
   for (ExpectedRegion* where : {&anywhere_, &expectation_}) {
     const Component* c =
         stages_.region.segment(part, proposed_, *where, hand.palm(), hand.finger_width, min_area);
     if (c == nullptr || !stages_.contour.trace(stages_.region.mask(), *c) ||
-        !try_region(hand.palm_radius(), best))
+        !try_region(hand.palm_radius(), view))
       continue;
-    found_mask_.copy(stages_.region.mask());
+    if (view.deviation < best.deviation) found_mask_.copy(stages_.region.mask());
     found = true;
   }
-  return found;
+  return found && take(view, offset, best);
 }
 
 bool HandSearch::find(const BinView& image, const SkinModel& skin, HandShape& shape) noexcept {
+  const bool found = find_best(image, skin, shape);
+  const Eigen::Vector2f origin =
+      (found_image_.origin_px() - image.origin_px()) / static_cast<float>(image.step_px);
+  const HandShape in_frame = shape.transformed(1, origin);
+  agreeing_ = !found ? 0
+                     : static_cast<int>(std::count_if(
+                           views_.begin(), views_.begin() + view_count_,
+                           [&](const HandShape& view) { return view.resembles(in_frame); }));
+  return found;
+}
+
+/// The most hand-like region.
+bool HandSearch::find_best(const BinView& image, const SkinModel& skin, HandShape& shape) noexcept {
+  view_count_ = 0;
   shape.deviation = static_cast<float>(shape_config_.max_deviation);
   found_image_ = image;
   stages_.region.classify(image, skin.ratios(), anywhere_);

@@ -135,9 +135,13 @@ bool HandTracker::Impl::match(bool anew) noexcept {
   if (state == State::tracking || state == State::lost) {
     limits.max_deviation *= 1.6;  // hysteresis
     limits.min_aspect *= 0.6;
-  } else if (following) {
-    limits.max_deviation *= 1.2;
+  } else if (following || search.agreeing_views() >= config.search.enough_views) {
+    limits.max_deviation *= 1.25;
   }
+  // Until its own shape is known, a hand that suddenly is less like one has grown together with
+  // what it touches.
+  if (!own_shape.is_known())
+    limits.max_deviation = std::min(limits.max_deviation, before.deviation + config.shape.max_leap);
   const bool accepted = shape_model.fit(limits, found);
   promising = found.deviation < config.search.max_deviation;
   if (!accepted) return false;

@@ -187,6 +187,45 @@ TEST(Tracker, ALargerObjectOfSkinColourDoesNotStealTheTrack) {
   }
 }
 
+/// Whether a hand with a half bent finger, so not quite like others, is tracked.
+bool tracks_a_bent_finger(const Config& config) {
+  Film film(config);
+  film.textured = true;
+  film.hand.fold[4] = 0.5;
+  return film.until(State::tracking, 1) < 1;
+}
+
+TEST(Tracker, AHandUnlikeOthersIsBelievedWhereReadingsAgree) {
+  Config by_likeness_alone;
+  by_likeness_alone.search.enough_views = 1000;
+  EXPECT_FALSE(tracks_a_bent_finger(by_likeness_alone));
+  EXPECT_TRUE(tracks_a_bent_finger({}));
+}
+
+/// In how many of 8 frames the thumb of a hand that is hardly known yet is read at the far end of
+/// what it touches and has its colour.
+int misread_thumbs(const Config& config) {
+  Film film(config);
+  EXPECT_LT(film.until(State::tracking, 1), 1);
+  film.extra = [&film](Picture& p) {
+    const Eigen::Vector2d thumb = film.true_tip_px(0), end = thumb + Eigen::Vector2d(80, 0);
+    p.paint([&](const Eigen::Vector2d& px) { return test::capsule_distance(px, thumb, end, 12); },
+            1);
+  };
+  int misread = 0;
+  for (int i = 0; i < 8; ++i) {
+    film.next();
+    misread += film.worst_tip_px() > 40;
+  }
+  return misread;
+}
+
+TEST(Tracker, ANewHandHardlyGrowsTogetherWithWhatItTouches) {
+  Config at_any_leap;
+  at_any_leap.shape.max_leap = 10;
+  EXPECT_GT(misread_thumbs(at_any_leap), misread_thumbs({}) + 2);
+}
+
 class TrackerNeverAcquires : public testing::TestWithParam<std::string> {};
 
 TEST_P(TrackerNeverAcquires, WhatIsNoOutstretchedHand) {

@@ -23,6 +23,7 @@ struct HandSearchConfig {
   double min_area_share = 0.008;  ///< of the frame, for a region to be looked at
   double max_deviation = 1.7;     ///< as HandShapeConfig's, but only to be worth a closer look
   int readings_per_frame = 16;    ///< more find a hand sooner and cost more
+  int enough_views = 3;           ///< readings that agree on a hand, for it to be less like one
   OutlineSearchConfig outlines;
 };
 
@@ -54,6 +55,9 @@ class HandSearch {
   /// What was found was found by the colours that the skin model has learned.
   bool found_by_skin() const noexcept { return found_by_skin_; }
 
+  /// How many readings and outlines of the last frame show the hand that was found.
+  int agreeing_views() const noexcept { return agreeing_; }
+
   /// Where it was found: the image that was searched, which must still be there, or a part of it.
   const BinView& image() const noexcept { return found_image_; }
   const Mask& mask() const noexcept { return found_mask_; }
@@ -62,12 +66,14 @@ class HandSearch {
   using Channel = std::array<std::int8_t, kBinCount>;
   static constexpr int kMaxLearned = 3;  ///< readings of what was learned
   static constexpr int kMaxAtOnce = 32;  ///< readings: a bit each
+  static constexpr int kMaxViews = 48;   ///< of hands in a frame
   struct Reading {
     const Channel* channel = nullptr;
     std::int8_t threshold = 0;
     bool below = false;  ///< what lies below it: a hand may lie on either side
     int patch = -1;      ///< not a channel but the colours of this patch
   };
+  bool find_best(const BinView& image, const SkinModel& skin, HandShape& shape) noexcept;
   void read_scene(const BinView& image, const SkinModel& skin) noexcept;
   void list_readings(const BinView& image, const Channel& prior) noexcept;
   void add_levels(const Channel& channel, int levels) noexcept;
@@ -75,6 +81,7 @@ class HandSearch {
   void mark_bins(const BinView& image, std::span<const Reading> readings) noexcept;
   void draw_masks(const BinView& image, int count) noexcept;
   bool try_region(float palm_radius, HandShape& best) noexcept;
+  bool take(const HandShape& view, const Eigen::Vector2f& origin, HandShape& best) noexcept;
   bool try_regions(HandShape& best) noexcept;
   bool try_proposal(const BinView& image, const SkinModel& skin, const HandShape& proposal,
                     HandShape& best) noexcept;
@@ -91,6 +98,9 @@ class HandSearch {
   std::array<bool, 4096> in_patch_{};
   std::array<Reading, 128> readings_;
   int reading_count_ = 0;
+  std::array<HandShape, kMaxViews> views_;  ///< by this frame's readings and outlines, in its bins
+  int view_count_ = 0;
+  int agreeing_ = 0;
   bool found_by_skin_ = false;
   int next_ = 0;                      ///< whose turn it is
   std::vector<std::uint32_t> marks_;  ///< of each bin, a bit for each of this frame's readings

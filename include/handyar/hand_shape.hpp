@@ -25,6 +25,8 @@ struct HandShapeConfig {
   double min_palm_fill = 0.85;    ///< share of the palm disc that lies in the region
   double min_finger_fill = 0.75;  ///< share of a finger's stations that are as wide as a finger
   double max_raggedness = 1.35;  ///< length of the boundary of the fingers over its smoothed length
+  double max_leap = 0.35;        ///< how much more a hand may deviate than a frame before, until
+                                 ///< its own shape is known
   double misread_m = 0.014;      ///< a tip further from its place on the hand was misread
   double own_memory_s = 0.7;     ///< over which a tracked hand's own shape is averaged
   double own_deviation_share = 0.75;  ///< of max_deviation: frames below it are likely right,

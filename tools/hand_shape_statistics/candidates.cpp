@@ -67,20 +67,20 @@ class Pictures {
 };
 
 /// One reading a call, and wide limits: what is right is told by the annotation.
-HandSearch make_search(MaskStages& stages) {
+HandSearchConfig one_reading() {
   HandSearchConfig config;
   config.readings_per_frame = 1;
   config.max_deviation = 3;
-  HandShapeConfig shape;
-  shape.min_finger_fill = 0.4;
-  shape.min_palm_fill = 0.8;
-  HandSearch search(stages, config, shape);
-  stages.reserve(kMaxSide_px * kMaxSide_px / 4);
-  search.reserve(kMaxSide_px * kMaxSide_px / 4);
-  return search;
+  return config;
+}
+HandShapeConfig wide_limits() {
+  HandShapeConfig config;
+  config.min_finger_fill = 0.4;
+  config.min_palm_fill = 0.8;
+  return config;
 }
 
-void print(const Annotation& a, const BinImage& image, const HandShape& shape) {
+void print(const Annotation& a, const BinView& image, const HandShape& shape) {
   const double span_px = (a.tips_px[0] - a.tips_px[4]).norm();
   double worst = 0;
   for (int f = 0; f < kFingerCount; ++f) {
@@ -97,7 +97,9 @@ void run(const char* list) {
   std::ifstream lines(list);
   if (!lines) throw io::Error(list, "cannot be read");
   MaskStages stages;
-  HandSearch search = make_search(stages);
+  HandSearch search(stages, one_reading(), wide_limits());
+  stages.reserve(kMaxSide_px * kMaxSide_px / 4);
+  search.reserve(kMaxSide_px * kMaxSide_px / 4);
   const SkinModel skin;
   Pictures pictures;
   BinImage image;
@@ -118,7 +120,7 @@ void run(const char* list) {
       if (!search.find(image, skin, shape)) continue;
       if (i > 0 && shape.tips == before.tips) continue;  // the prior's, which is always tried too
       before = shape;
-      print(a, image, shape);
+      print(a, search.image(), shape);
     }
   }
 }
