@@ -11,14 +11,18 @@
 namespace handyar {
 namespace {
 
-constexpr int kBeyond = 6;         // what the margin holds: about what a picture holds
 constexpr int kHalfStrength = 12;  // difference of two neighbours that counts for a half
-constexpr int kTableReach = 63;    // of the table of edges; larger differences are halved
 
 // Levels of luma, yellowness and redness side by side in a word, which has room for sums of 33.
 constexpr int kFieldBits = 10;
 constexpr float kMostScale = 32;
 constexpr std::uint32_t kField = (1u << kFieldBits) - 1;
+// The same with room for sums of a pixel, and for their differences however large they are.
+constexpr int kWideFieldBits = 21;
+std::uint64_t widened(std::uint32_t levels) {
+  const std::uint64_t luma = levels >> 2 * kFieldBits, yellowness = levels >> kFieldBits & kField;
+  return luma << 2 * kWideFieldBits | yellowness << kWideFieldBits | (levels & kField);
+}
 
 HANDYAR_VECTORISED void add_levels(const ColorBin* bins, int count,
                                    std::uint32_t* __restrict sums) {
@@ -26,6 +30,70 @@ HANDYAR_VECTORISED void add_levels(const ColorBin* bins, int count,
     const std::uint32_t b = bins[k];
     sums[k] +=
         (b & 31 << 10) << 2 * (kFieldBits - 5) | (b & 31 << 5) << (kFieldBits - 5) | (b & 31);
+  }
+}
+
+/// Means of sums, in units of 1/scale, rounded down: half a unit keeps whole numbers whole.
+HANDYAR_VECTORISED void means(const std::uint16_t* sums, float scale, const float* per_column,
+                              float per_row, int count, std::uint8_t* __restrict out) {
+  for (int k = 0; k < count; ++k)
+    out[k] = static_cast<std::uint8_t>((scale * sums[k] + 0.5f) * (per_column[k] * per_row));
+}
+
+/// The steps of colour across each pixel in the channel where they are largest; a row's channels
+/// lie one after the other.
+HANDYAR_VECTORISED void largest_steps(const std::uint8_t* above, const std::uint8_t* at,
+                                      const std::uint8_t* below, int width,
+                                      std::int16_t* __restrict gx, std::int16_t* __restrict gy) {
+  for (int u = 1; u + 1 < width; ++u) {
+    int x = 0, y = 0, most = -1;
+    const auto consider = [&](int k) __attribute__((always_inline)) {
+      const int dx = at[k + 1] - at[k - 1], dy = below[k] - above[k], size = dx * dx + dy * dy;
+      x = size > most ? dx : x;
+      y = size > most ? dy : y;
+      most = std::max(most, size);
+    };
+    consider(u);
+    consider(u + width);
+    consider(u + 2 * width);
+    gx[u] = static_cast<std::int16_t>(x);
+    gy[u] = static_cast<std::int16_t>(y);
+  }
+}
+
+/// The map of one direction: of each edge the share that it has of its own and of the next one.
+HANDYAR_VECTORISED void draw_edges(const std::uint8_t* direction, int map,
+                                   const std::uint8_t* strength, const std::uint8_t* next_strength,
+                                   int width, std::uint8_t* __restrict to) {
+  // In bytes and without branches, so that vectors are full.
+  const auto own = static_cast<std::uint8_t>(map);
+  const auto before =
+      static_cast<std::uint8_t>((map + EdgeMaps::kDirections - 1) % EdgeMaps::kDirections);
+  for (int u = 0; u < width; ++u) {
+    const auto is_own = static_cast<std::uint8_t>(-(direction[u] == own));
+    const auto is_before = static_cast<std::uint8_t>(-(direction[u] == before));
+    to[u] = static_cast<std::uint8_t>((strength[u] & is_own) | (next_strength[u] & is_before));
+  }
+}
+
+/// The largest of each pixel of a row and its eight neighbours. There is one before and one behind.
+HANDYAR_VECTORISED void highest_around(const std::uint8_t* above, const std::uint8_t* at,
+                                       const std::uint8_t* below, int width,
+                                       std::uint8_t* __restrict column,
+                                       std::uint8_t* __restrict out) {
+  for (int x = 0; x < width; ++x) column[x] = std::max(at[x], std::max(above[x], below[x]));
+  column[-1] = column[0];
+  column[width] = column[width - 1];
+  for (int x = 0; x < width; ++x)
+    out[x] = std::max(column[x], std::max(column[x - 1], column[x + 1]));
+}
+
+/// Even and odd columns apart.
+HANDYAR_VECTORISED void sort_columns(const std::uint8_t* row, int pairs,
+                                     std::uint8_t* __restrict even, std::uint8_t* __restrict odd) {
+  for (int k = 0; k < pairs; ++k) {
+    even[k] = row[2 * k];
+    odd[k] = row[2 * k + 1];
   }
 }
 
@@ -54,64 +122,54 @@ void EdgeMaps::reserve(int max_pixels, int max_side, float least_scale) {
                                        (static_cast<float>(max_side) / least_scale + kMargin + 1));
   colors_.resize(3 * room_);
   maps_.resize((kMaps + 1) * room_ + 2 * kBlock);  // whole blocks are read
-  highest_.resize(max_side + 4 * kMargin);
+  for (auto* row : {&directions_, &strengths_, &next_strengths_, &columns_, &highest_})
+    row->resize(max_side + 4 * kMargin);
+  for (auto* row : {&steps_x_, &steps_y_}) row->resize(max_side + 4 * kMargin);
 }
 
-EdgeMaps::Edge EdgeMaps::edge(int gx, int gy) const noexcept {
+const EdgeMaps::Edge& EdgeMaps::edge(int gx, int gy) const noexcept {
   while (std::max(std::abs(gx), std::abs(gy)) > kTableReach) {
     gx /= 2;
     gy /= 2;
   }
-  return edge_table_[(gy + kTableReach) * (2 * kTableReach + 1) + gx + kTableReach];
+  return edge_in_table(gx, gy);
 }
 
-int EdgeMaps::nearest_direction(const Eigen::Vector2f& normal) const noexcept {
-  const Eigen::Vector2f g = normal * (kTableReach / normal.cwiseAbs().maxCoeff());
-  const Edge e = edge(static_cast<int>(g.x()), static_cast<int>(g.y()));
-  return e.next_strength > e.strength ? (e.direction + 1) % kDirections : e.direction;
-}
-
-int EdgeMaps::edge_at(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) const noexcept {
-  const int x = static_cast<int>(p.x() + 0.5f), y = static_cast<int>(p.y() + 0.5f);
-  if (x < 0 || y < 0 || x >= width_ || y >= height_) return kBeyond;
-  return maps_[offset(nearest_direction(normal), x, y)];
-}
-
-/// Mean luma, yellowness and redness.
+/// Mean luma, yellowness and redness; a row's channels lie one after the other.
 void EdgeMaps::read_colors(const BinView& image, int width, int height) noexcept {
-  constexpr int kShift = 40;
-  constexpr std::uint64_t kOne = std::uint64_t{1} << kShift;
+  constexpr int kRoom = 1024;                  // columns of bins at a time
   const int least = static_cast<int>(scale_);  // bins of a pixel across, or one or two more
-  std::uint8_t* color = colors_.data();
-  for (int v = 0; v < height; ++v) {
-    const int y0 = static_cast<int>(static_cast<float>(v) * scale_);
-    const int y1 = std::max(y0 + 1, static_cast<int>(static_cast<float>(v + 1) * scale_));
-    // Divisions would take a third of the time. Rounded up, these give the same.
-    std::array<std::uint64_t, 3> inverse;
-    for (int more = 0; more < 3; ++more) inverse[more] = kOne / ((least + more) * (y1 - y0)) + 1;
-    std::array<std::uint32_t, 1024> columns;  // sums over the bins of each, from `first` on
-    int first = 0, last = 0, x1 = 0;
-    for (int u = 0; u < width; ++u, color += 3) {
-      const int x0 = x1;
-      x1 = std::clamp(static_cast<int>(static_cast<float>(u + 1) * scale_), x0 + least,
-                      x0 + least + 2);
-      if (x1 > last) {
-        first = x0;
-        last = std::min(first + static_cast<int>(columns.size()), image.width);
-        std::fill_n(columns.begin(), last - first, 0u);
-        for (int y = y0; y < y1; ++y)
-          add_levels(image.row(y) + first, last - first, columns.data());
+  std::array<std::uint16_t, kRoom + 1> begin;  // of each pixel's columns
+  std::array<float, kRoom> per_column;
+  std::array<std::uint32_t, kRoom> columns;     // sums of each
+  std::array<std::uint64_t, kRoom + 1> before;  // and of all before it
+  std::array<std::array<std::uint16_t, kRoom>, 3> sums;
+  for (int u0 = 0, x0 = 0, count = 0; u0 < width; u0 += count, x0 += begin[count]) {
+    begin[count = 0] = 0;
+    for (; u0 + count < width; ++count) {
+      const int x = x0 + begin[count];
+      const int next = std::clamp(static_cast<int>(static_cast<float>(u0 + count + 1) * scale_),
+                                  x + least, std::min(x + least + 2, image.width));
+      if (next - x0 > kRoom) break;
+      begin[count + 1] = static_cast<std::uint16_t>(next - x0);
+      per_column[count] = 1 / static_cast<float>(next - x);
+    }
+    for (int v = 0; v < height; ++v) {
+      const int y0 = static_cast<int>(static_cast<float>(v) * scale_);
+      const int y1 = std::max(y0 + 1, static_cast<int>(static_cast<float>(v + 1) * scale_));
+      std::fill_n(columns.begin(), begin[count], 0u);
+      for (int y = y0; y < y1; ++y) add_levels(image.row(y) + x0, begin[count], columns.data());
+      before[0] = 0;
+      for (int k = 0; k < begin[count]; ++k) before[k + 1] = before[k] + widened(columns[k]);
+      for (int k = 0; k < count; ++k) {
+        const std::uint64_t sum = before[begin[k + 1]] - before[begin[k]];
+        for (int c = 0; c < 3; ++c)
+          sums[c][k] = static_cast<std::uint16_t>(sum >> (2 - c) * kWideFieldBits);
       }
-      std::uint64_t luma = 0, yellowness = 0, redness = 0;
-      for (int k = x0 - first; k < x1 - first; ++k) {
-        luma += columns[k] >> 2 * kFieldBits;
-        yellowness += columns[k] >> kFieldBits & kField;
-        redness += columns[k] & kField;
-      }
-      const std::uint64_t per_bin = inverse[x1 - x0 - least];
-      color[0] = static_cast<std::uint8_t>(8 * luma * per_bin >> kShift);
-      color[1] = static_cast<std::uint8_t>(2 * yellowness * per_bin >> kShift);
-      color[2] = static_cast<std::uint8_t>(2 * redness * per_bin >> kShift);
+      constexpr std::array<float, 3> kScales{8, 2, 2};
+      for (int c = 0; c < 3; ++c)
+        means(sums[c].data(), kScales[c], per_column.data(), 1 / static_cast<float>(y1 - y0), count,
+              colors_.data() + (3 * v + c) * width + u0);
     }
   }
 }
@@ -130,55 +188,46 @@ bool EdgeMaps::read(const BinView& image, float scale) noexcept {
   std::uint8_t* const edges = maps_.data() + size;  // of each map where the next will be
   std::fill_n(edges, kDirections * size, std::uint8_t{kBeyond});
   std::fill_n(edges + kCalm * size, size, std::uint8_t{kMost - kBeyond});
-  for (int v = 0; v < h; ++v) {
-    const int row = (v + kMargin) * width_ + kMargin;
-    for (int m = 0; m < kDirections; ++m) std::fill_n(edges + m * size + row, w, std::uint8_t{0});
-    if (v == 0 || v + 1 == h) continue;
-    const std::uint8_t* p = colors_.data() + 3 * v * w;
-    for (int u = 1; u + 1 < w; ++u) {
-      p += 3;
-      int strongest = -1, gx = 0, gy = 0;
-      for (int c = 0; c < 3; ++c) {
-        const int dx = p[c + 3] - p[c - 3], dy = p[c + 3 * w] - p[c - 3 * w];
-        if (dx * dx + dy * dy <= strongest) continue;
-        strongest = dx * dx + dy * dy;
-        gx = dx;
-        gy = dy;
-      }
-      const Edge e = edge(gx, gy);
-      std::uint8_t* to = edges + row + u;
-      to[e.direction * size] = e.strength;
-      to[(e.direction + 1) % kDirections * size] = e.next_strength;
-      to[kCalm * size] = e.calm;
-    }
-  }
+  for (int v = 0; v < h; ++v) find_edges(v, w, h, edges + (v + kMargin) * width_ + kMargin);
   for (int m = 0; m < kMaps; ++m) spread(m);
   return true;
+}
+
+/// Of a row of the reduced picture, into a row of each of the maps; none where a neighbour is
+/// missing.
+void EdgeMaps::find_edges(int v, int width, int height, std::uint8_t* to) noexcept {
+  const int size = width_ * height_;
+  for (auto* row : {&directions_, &strengths_, &next_strengths_})
+    std::fill_n(row->begin(), width, 0);
+  if (v > 0 && v + 1 < height) {
+    const std::uint8_t* const at = colors_.data() + 3 * v * width;
+    largest_steps(at - 3 * width, at, at + 3 * width, width, steps_x_.data(), steps_y_.data());
+    for (int u = 1; u + 1 < width; ++u) {
+      const Edge e = edge(steps_x_[u], steps_y_[u]);
+      directions_[u] = e.direction;
+      strengths_[u] = e.strength;
+      next_strengths_[u] = e.next_strength;
+      to[kCalm * size + u] = e.calm;
+    }
+  }
+  for (int m = 0; m < kDirections; ++m)
+    draw_edges(directions_.data(), m, strengths_.data(), next_strengths_.data(), width,
+               to + m * size);
 }
 
 /// Edges reach one pixel further on every side, for hands differ; columns are sorted.
 void EdgeMaps::spread(int map) noexcept {
   const int w = width_;
-  const std::uint8_t* from = maps_.data() + (map + 1) * w * height_;
-  std::uint8_t* __restrict even = maps_.data() + offset(map, 0, 0);
-  std::uint8_t* __restrict odd = maps_.data() + offset(map, 1, 0);
-  std::uint8_t* __restrict high = highest_.data() + 1;
+  const std::uint8_t* const from = maps_.data() + (map + 1) * w * height_;
+  std::uint8_t *even = maps_.data() + offset(map, 0, 0), *odd = maps_.data() + offset(map, 1, 0);
   for (int y = 0; y < height_; ++y, even += w / 2, odd += w / 2) {
-    const std::uint8_t* at = from + y * w;
-    if (map == kCalm) {
-      for (int k = 0; k < w / 2; ++k) even[k] = at[2 * k];
-      for (int k = 0; k < w / 2; ++k) odd[k] = at[2 * k + 1];
-      continue;
+    const std::uint8_t* row = from + y * w;
+    if (map != kCalm) {
+      highest_around(from + std::max(y - 1, 0) * w, row, from + std::min(y + 1, height_ - 1) * w, w,
+                     columns_.data() + 1, highest_.data());
+      row = highest_.data();
     }
-    const std::uint8_t *above = from + std::max(y - 1, 0) * w,
-                       *below = from + std::min(y + 1, height_ - 1) * w;
-    for (int x = 0; x < w; ++x) high[x] = std::max(at[x], std::max(above[x], below[x]));
-    high[-1] = high[0];
-    high[w] = high[w - 1];
-    for (int k = 0; k < w / 2; ++k)
-      even[k] = std::max(high[2 * k], std::max(high[2 * k - 1], high[2 * k + 1]));
-    for (int k = 0; k < w / 2; ++k)
-      odd[k] = std::max(high[2 * k + 1], std::max(high[2 * k], high[2 * k + 2]));
+    sort_columns(row, w / 2, even, odd);
   }
 }
 

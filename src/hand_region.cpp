@@ -17,10 +17,37 @@ constexpr int kDeepestAcross = 64;  // resolution of deepest(): at least this, l
 constexpr int kEdgeRatio = 16;  // what a step of one level beyond the first counts against a hand
 
 /// Difference of two colours in levels of luma; two of chroma count as one.
-int color_step(ColorBin p, ColorBin q) {
+[[gnu::always_inline]] inline int color_step(ColorBin p, ColorBin q) {
   const int chroma =
       std::max(std::abs((p >> 5 & 31) - (q >> 5 & 31)), std::abs((p & 31) - (q & 31)));
   return std::max(std::abs((p >> 10) - (q >> 10)), chroma / 2);
+}
+
+/// A row that is classified and its neighbours: sums of ratios over three columns, and bins.
+struct Rows {
+  const std::int16_t *above, *at, *below;
+  const ColorBin *bins_above, *bins, *bins_below;
+};
+/// What the places of a row ask for: a sum of more than the limit, and by so much more for each
+/// level of a step in colour beyond the first.
+struct Demands {
+  const std::int16_t *limit, *per_level;
+};
+
+HANDYAR_VECTORISED void classify_row(const Rows& rows, const Demands& demands, int width,
+                                     std::uint8_t* __restrict hand,
+                                     std::uint8_t* __restrict colored) {
+  const auto classify = [&](int u, int left, int right) __attribute__((always_inline)) {
+    const int sum = rows.above[u] + rows.at[u] + rows.below[u], limit = demands.limit[u];
+    const int step = std::max(color_step(rows.bins[left], rows.bins[right]),
+                              color_step(rows.bins_above[u], rows.bins_below[u]));
+    colored[u] = sum > limit;
+    hand[u] = (sum > limit) & (sum > limit + demands.per_level[u] * (step - 1));
+  };
+  if (width == 0) return;
+  classify(0, 0, std::min(1, width - 1));
+  for (int u = 1; u < width - 1; ++u) classify(u, u - 1, u + 1);
+  classify(width - 1, std::max(width - 2, 0), width - 1);
 }
 
 /// Distances in a row of pixels, as far as they are those of a neighbouring row and a step.
@@ -40,8 +67,23 @@ void RegionFinder::reserve(int max_pixels, int max_side) {
   runs_.resize(std::min(kMaxRuns, max_pixels / 2 + max_side));
   for (auto& row : rows_) row.resize(max_side);
   looked_up_.resize(max_side + 2);
+  for (auto* row : {&limits_, &per_level_}) row->resize(max_side);
   for (auto* flags : {&flags_, &colored_flags_}) flags->resize(max_side + 64);
   distance_.resize((2 * kDeepestAcross + 2) * (2 * kDeepestAcross + 2));
+}
+
+void RegionFinder::expect_row(const ExpectedRegion& expected, int v) noexcept {
+  const std::int8_t* place = expected.row(v);
+  for (int u = 0; u < mask_.width; ++place) {
+    const bool inside = *place == ExpectedRegion::kInside;
+    const bool outside = *place == ExpectedRegion::kOutside;
+    const int limit = inside ? 0 : outside ? std::numeric_limits<std::int16_t>::max() : -9 * *place;
+    const int per_level = inside || outside ? 0 : 9 * kEdgeRatio;
+    for (const int end = std::min(u + expected.cell, mask_.width); u < end; ++u) {
+      limits_[u] = static_cast<std::int16_t>(limit);
+      per_level_[u] = static_cast<std::int16_t>(per_level);
+    }
+  }
 }
 
 HANDYAR_VECTORISED void RegionFinder::classify(const BinView& image,
@@ -69,30 +111,16 @@ HANDYAR_VECTORISED void RegionFinder::classify(const BinView& image,
     const int up = std::max(v - 1, 0), down = std::min(v + 1, h - 1);
     const std::int16_t *above = rows_[up % 3].data(), *at = rows_[v % 3].data(),
                        *below = rows_[down % 3].data();
-    const ColorBin *bins = image.row(v), *bins_up = image.row(up), *bins_down = image.row(down);
     std::uint8_t *to = flags_.data(), *colored = colored_flags_.data();
-    const std::int8_t* place = expected.row(v);
-    for (int u = 0; u < w; ++place) {
-      const int end = std::min(u + expected.cell, w), limit = -9 * *place;
-      if (*place == ExpectedRegion::kInside) {
-        for (; u < end; ++u) to[u] = colored[u] = above[u] + at[u] + below[u] > 0;
-      } else if (*place == ExpectedRegion::kOutside) {
-        for (; u < end; ++u) to[u] = colored[u] = 0;
-      } else {
-        for (; u < end; ++u) {
-          const int sum = above[u] + at[u] + below[u];
-          colored[u] = sum > limit;
-          to[u] = 0;
-          if (sum <= limit) continue;
-          const int edge =
-              std::max(color_step(bins[std::max(u - 1, 0)], bins[std::min(u + 1, w - 1)]),
-                       color_step(bins_up[u], bins_down[u]));
-          to[u] = sum > limit + 9 * kEdgeRatio * (edge - 1);
-        }
-      }
+    if (all_inside) {
+      for (int u = 0; u < w; ++u) to[u] = above[u] + at[u] + below[u] > 0;
+    } else {
+      if (v % expected.cell == 0) expect_row(expected, v);
+      classify_row({above, at, below, image.row(up), image.row(v), image.row(down)},
+                   {limits_.data(), per_level_.data()}, w, to, colored);
+      colored_.set_row(v, colored);
     }
     mask_.set_row(v, to);
-    if (!all_inside) colored_.set_row(v, colored);
   }
   if (all_inside) colored_.copy(mask_);
 }

@@ -155,6 +155,7 @@ void HandShape::expect(int width, int height, ExpectedRegion& region) const noex
   const Eigen::Vector2f up = image_hand.col(1).normalized(), right(-up.y(), up.x());
   const Eigen::Vector2f wrist = palm() - palm_radius() * up;
   parts[kFingerCount + 1] = {{wrist, finger_base(0) - wrist}, 0.8f * finger_width};
+  const Eigen::Vector2f palm_center = palm();
   const float forearm = 1.6f * palm_radius();
 
   region.cell = std::max(2, static_cast<int>(finger_width / 4));
@@ -164,10 +165,12 @@ void HandShape::expect(int width, int height, ExpectedRegion& region) const noex
     for (int u = 0; u < width; u += region.cell, ++to) {
       const Eigen::Vector2f p = Eigen::Vector2f(float(u), float(v)).array() + 0.5f * region.cell;
       float distance = std::numeric_limits<float>::max();
-      for (const Capsule& part : parts)
-        distance = std::min(distance, part.axis.offset(p).norm() - part.radius);
+      for (const Capsule& part : parts) {
+        const float away2 = part.axis.offset(p).squaredNorm(), nearer = distance + part.radius;
+        if (nearer > 0 && away2 < nearer * nearer) distance = std::sqrt(away2) - part.radius;
+      }
       const float fingers = distance / finger_width;
-      const Eigen::Vector2f below = p - palm();
+      const Eigen::Vector2f below = p - palm_center;
       if (fingers < -0.1f) {
         *to = ExpectedRegion::kInside;
       } else if (fingers < 0.5f || (below.dot(up) < 0 && std::abs(below.dot(right)) < forearm)) {

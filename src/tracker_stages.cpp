@@ -135,8 +135,8 @@ bool HandTracker::Impl::match(bool anew) noexcept {
   if (state == State::tracking || state == State::lost) {
     limits.max_deviation *= 1.6;  // hysteresis
     limits.min_aspect *= 0.6;
-  } else if (following || search.agreeing_views() >= config.search.enough_views) {
-    limits.max_deviation *= 1.25;
+  } else {
+    limits.max_deviation *= following ? 1.25 : search.tolerance();
   }
   // Until its own shape is known, a hand that suddenly is less like one has grown together with
   // what it touches.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -42,10 +43,18 @@ class EdgeMaps {
   const std::uint8_t* data() const noexcept { return maps_.data(); }
 
   /// The map of edges across `normal`, not zero.
-  int nearest_direction(const Eigen::Vector2f& normal) const noexcept;
+  int nearest_direction(const Eigen::Vector2f& normal) const noexcept {
+    const Eigen::Vector2f g = normal * (kTableReach / normal.cwiseAbs().maxCoeff());
+    const Edge& e = edge_in_table(static_cast<int>(g.x()), static_cast<int>(g.y()));
+    return e.next_strength > e.strength ? (e.direction + 1) % kDirections : e.direction;
+  }
 
   /// 0 to kMost: how much of an edge across `normal` is at a point of the maps.
-  int edge_at(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) const noexcept;
+  int edge_at(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) const noexcept {
+    const int x = static_cast<int>(p.x() + 0.5f), y = static_cast<int>(p.y() + 0.5f);
+    if (x < 0 || y < 0 || x >= width_ || y >= height_) return kBeyond;
+    return maps_[offset(nearest_direction(normal), x, y)];
+  }
 
   /// An affine map into the image for one into the maps, and the other way round.
   Eigen::Matrix<float, 2, 3> to_image(Eigen::Matrix<float, 2, 3> map) const noexcept {
@@ -64,10 +73,16 @@ class EdgeMaps {
     std::uint8_t direction, strength, next_strength, calm;
   };
 
-  static constexpr int kMargin = 12;  // pixels
+  static constexpr int kMargin = 12;      // pixels
+  static constexpr int kBeyond = 6;       // what it holds: about what a picture holds
+  static constexpr int kTableReach = 63;  // of the table of edges; larger differences are halved
   float image_offset() const noexcept { return scale_ * (0.5f - kMargin) - 0.5f; }
-  Edge edge(int gx, int gy) const noexcept;
+  const Edge& edge_in_table(int gx, int gy) const noexcept {
+    return edge_table_[(gy + kTableReach) * (2 * kTableReach + 1) + gx + kTableReach];
+  }
+  const Edge& edge(int gx, int gy) const noexcept;
   void read_colors(const BinView& image, int width, int height) noexcept;
+  void find_edges(int v, int width, int height, std::uint8_t* to) noexcept;
   void spread(int map) noexcept;
 
   float scale_ = 1;
@@ -76,7 +91,9 @@ class EdgeMaps {
   std::vector<Edge> edge_table_;
   std::vector<std::uint8_t> colors_;  // three channels of the reduced image
   std::vector<std::uint8_t> maps_;
-  std::vector<std::uint8_t> highest_;
+  // Of a row:
+  std::vector<std::int16_t> steps_x_, steps_y_;
+  std::vector<std::uint8_t> directions_, strengths_, next_strengths_, columns_, highest_;
 };
 
 }  // namespace handyar

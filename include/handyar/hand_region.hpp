@@ -85,6 +85,7 @@ class RegionFinder {
   const Mask& mask() const noexcept { return mask_; }
 
  private:
+  void expect_row(const ExpectedRegion& expected, int v) noexcept;
   const Component* keep_at(const Eigen::Vector2f& p, int min_area) noexcept;
   struct Run {
     std::int16_t v, u0, u1;  ///< u0 <= u < u1
@@ -97,8 +98,9 @@ class RegionFinder {
   Mask mask_;
   Mask colored_;  ///< the mask before edges cut it
   Mask opened_, scratch_;
-  std::vector<std::int16_t> rows_[3];    ///< three rows of horizontally summed ratios
-  std::vector<std::int16_t> looked_up_;  ///< ratios of one row, with one more at each end
+  std::vector<std::int16_t> rows_[3];             ///< three rows of horizontally summed ratios
+  std::vector<std::int16_t> looked_up_;           ///< ratios of one row, with one more at each end
+  std::vector<std::int16_t> limits_, per_level_;  ///< what the places of a row ask for
   std::vector<std::uint8_t> flags_, colored_flags_;  ///< a row of the masks before it is packed
   std::vector<Run> runs_;
   int run_count_ = 0;

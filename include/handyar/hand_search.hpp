@@ -23,7 +23,7 @@ struct HandSearchConfig {
   double min_area_share = 0.008;  ///< of the frame, for a region to be looked at
   double max_deviation = 1.7;     ///< as HandShapeConfig's, but only to be worth a closer look
   int readings_per_frame = 16;    ///< more find a hand sooner and cost more
-  int enough_views = 3;           ///< readings that agree on a hand, for it to be less like one
+  int enough_views = 3;           ///< readings and outlines that agree on a hand: see tolerance()
   OutlineSearchConfig outlines;
 };
 
@@ -55,8 +55,11 @@ class HandSearch {
   /// What was found was found by the colours that the skin model has learned.
   bool found_by_skin() const noexcept { return found_by_skin_; }
 
-  /// How many readings and outlines of the last frame show the hand that was found.
-  int agreeing_views() const noexcept { return agreeing_; }
+  /// How many times as far as others the hand that was found may deviate: what is none rarely looks
+  /// like the same one to several readings.
+  double tolerance() const noexcept {
+    return agreeing_ >= config_.enough_views ? 1.25 : agreeing_ > 1 ? 1.0 : 0.85;
+  }
 
   /// Where it was found: the image that was searched, which must still be there, or a part of it.
   const BinView& image() const noexcept { return found_image_; }
@@ -66,7 +69,7 @@ class HandSearch {
   using Channel = std::array<std::int8_t, kBinCount>;
   static constexpr int kMaxLearned = 3;  ///< readings of what was learned
   static constexpr int kMaxAtOnce = 32;  ///< readings: a bit each
-  static constexpr int kMaxViews = 48;   ///< of hands in a frame
+  static constexpr int kMaxViews = 20;   ///< of hands in a frame
   struct Reading {
     const Channel* channel = nullptr;
     std::int8_t threshold = 0;
@@ -100,7 +103,7 @@ class HandSearch {
   int reading_count_ = 0;
   std::array<HandShape, kMaxViews> views_;  ///< by this frame's readings and outlines, in its bins
   int view_count_ = 0;
-  int agreeing_ = 0;
+  int agreeing_ = 0;  ///< of them with what was found
   bool found_by_skin_ = false;
   int next_ = 0;                      ///< whose turn it is
   std::vector<std::uint32_t> marks_;  ///< of each bin, a bit for each of this frame's readings
