@@ -47,7 +47,7 @@ class SkinModel {
   class Learned {
     friend class SkinModel;
     ColorHistogram hand_, background_;
-    Ratios ratios_;
+    Ratios ratios_{};
     int frames_ = 0;
     int widening_ = 0;
     std::uint32_t version_ = 0;  // no two that a model learned have the same
