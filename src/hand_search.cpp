@@ -347,8 +347,8 @@ bool HandSearch::try_region(float palm_radius, HandShape& best) noexcept {
   return true;
 }
 
-/// Keeps the shape that one reading or outline shows; true when it is more like a hand than `best`,
-/// which it then is. Its origin in the frame counts only for what is kept.
+/// Keeps the shape that one reading or outline shows of a part of the frame; true when it is more
+/// like a hand than `best`, which it then is.
 bool HandSearch::take(const HandShape& view, const Eigen::Vector2f& origin,
                       HandShape& best) noexcept {
   if (view_count_ < kMaxViews) views_[view_count_++] = view.transformed(1, origin);
@@ -412,15 +412,13 @@ bool HandSearch::try_proposal(const BinView& image, const SkinModel& skin,
 }
 
 bool HandSearch::find(const BinView& image, const SkinModel& skin, HandShape& shape) noexcept {
-  const bool found = find_best(image, skin, shape);
+  agreeing_ = 0;
+  if (!find_best(image, skin, shape)) return false;
   const Eigen::Vector2f origin =
       (found_image_.origin_px() - image.origin_px()) / static_cast<float>(image.step_px);
   const HandShape in_frame = shape.transformed(1, origin);
-  agreeing_ = !found ? 0
-                     : static_cast<int>(std::count_if(
-                           views_.begin(), views_.begin() + view_count_,
-                           [&](const HandShape& view) { return view.resembles(in_frame); }));
-  return found;
+  for (int k = 0; k < view_count_; ++k) agreeing_ += views_[k].resembles(in_frame);
+  return true;
 }
 
 /// The most hand-like region.
