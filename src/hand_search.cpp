@@ -142,6 +142,11 @@ BinView around(const BinView& image, const HandShape& hand) {
                     std::clamp(int(box.max().y()) + margin, v0, image.height));
 }
 
+/// Where a part of the image begins, in its bins.
+Eigen::Vector2f origin_in(const BinView& image, const BinView& part) {
+  return (part.origin_px() - image.origin_px()) / static_cast<float>(image.step_px);
+}
+
 HandShapeConfig shape_to_look_for(const HandSearchConfig& config, HandShapeConfig shape) {
   shape.max_deviation = config.max_deviation;
   return shape;
@@ -385,9 +390,8 @@ bool HandSearch::try_regions(HandShape& best) noexcept {
 bool HandSearch::try_proposal(const BinView& image, const SkinModel& skin,
                               const HandShape& proposal, HandShape& best) noexcept {
   const BinView part = around(image, proposal);
-  const Eigen::Vector2f offset =
-      (part.origin_px() - image.origin_px()) / static_cast<float>(image.step_px);
-  const HandShape hand = proposal.transformed(1, -offset);
+  const Eigen::Vector2f origin = origin_in(image, part);
+  const HandShape hand = proposal.transformed(1, -origin);
   sample_skin(part, nullptr, hand, *samples_);
   hand_colors_.clear();
   hand_colors_.add(samples_->hand);
@@ -408,15 +412,13 @@ bool HandSearch::try_proposal(const BinView& image, const SkinModel& skin,
     if (view.deviation < best.deviation) found_mask_.copy(stages_.region.mask());
     found = true;
   }
-  return found && take(view, offset, best);
+  return found && take(view, origin, best);
 }
 
 bool HandSearch::find(const BinView& image, const SkinModel& skin, HandShape& shape) noexcept {
   agreeing_ = 0;
   if (!find_best(image, skin, shape)) return false;
-  const Eigen::Vector2f origin =
-      (found_image_.origin_px() - image.origin_px()) / static_cast<float>(image.step_px);
-  const HandShape in_frame = shape.transformed(1, origin);
+  const HandShape in_frame = shape.transformed(1, origin_in(image, found_image_));
   for (int k = 0; k < view_count_; ++k) agreeing_ += views_[k].resembles(in_frame);
   return true;
 }
