@@ -62,6 +62,14 @@ struct Nv12Row {
   }
 };
 
+/// Of a block's rows and of its columns two are read, as far apart as a quarter of the block leaves
+/// on either side: their mean lies in its middle.
+struct Read {
+  int first, apart;
+
+  explicit Read(int step) : first(step / 4), apart(step - 1 - 2 * first) {}
+};
+
 constexpr int kChunk = 256;    // pixels whose sums lie in the first-level cache
 constexpr int kRowsAhead = 2;  // rows of `out` that are fetched before they are read
 
@@ -77,7 +85,7 @@ struct Sums {
   }
 };
 
-/// `count` bins from pixel x0 of two rows on, half a step apart.
+/// `count` bins from pixel x0 of two rows of their blocks on.
 template <class Row>
 [[gnu::always_inline]] inline void read_chunk(const Row& top, const Row& bottom, int x0, int step,
                                               int count, ColorBin* to) {
@@ -91,9 +99,9 @@ template <class Row>
       to[k] = Row::bin({(s.a[2 * k] + s.a[2 * k + 1]) >> 2, (s.b[2 * k] + s.b[2 * k + 1]) >> 2,
                         (s.c[2 * k] + s.c[2 * k + 1]) >> 2});
   } else {
-    const int half = step / 2;
-    for (int k = 0, x = x0; k < count; ++k, x += step)
-      s.set(k, top(x) + top(x + half) + bottom(x) + bottom(x + half));
+    const Read read(step);
+    for (int k = 0, x = x0 + read.first; k < count; ++k, x += step)
+      s.set(k, top(x) + top(x + read.apart) + bottom(x) + bottom(x + read.apart));
     for (int k = 0; k < count; ++k) to[k] = Row::bin({s.a[k] >> 2, s.b[k] >> 2, s.c[k] >> 2});
   }
 }
@@ -101,14 +109,15 @@ template <class Row>
 template <class Row>
 [[gnu::always_inline]] inline void read_rows(const ImageView& frame, BinImage& out) {
   ColorBin* to = out.bins.data();
-  const int step = out.step_px, half = step / 2;
+  const int step = out.step_px;
+  const Read read(step);
   const int x0 = out.x0_px, x1 = x0 + out.width * step;
   for (int v = 0; v < out.height; ++v, to += out.width) {
-    const int y = out.y0_px + v * step,
-              ahead = std::min(y + kRowsAhead * step, frame.height_px - step);
+    const int y = out.y0_px + v * step + read.first,
+              ahead = std::min(y + kRowsAhead * step, frame.height_px - step + read.first);
     Row(frame, ahead).prefetch(x0, x1);
-    if (step > 1) Row(frame, ahead + half).prefetch(x0, x1);
-    const Row top(frame, y), bottom(frame, y + half);
+    if (step > 1) Row(frame, ahead + read.apart).prefetch(x0, x1);
+    const Row top(frame, y), bottom(frame, y + read.apart);
     for (int u = 0; u < out.width; u += kChunk)
       read_chunk(top, bottom, x0 + u * step, step, std::min(kChunk, out.width - u), to + u);
   }

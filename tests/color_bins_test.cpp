@@ -195,6 +195,20 @@ TEST(ColorBins, CentresOfBinsInInputPixels) {
   EXPECT_EQ(image.y_px(2), 24.5);
 }
 
+TEST(ColorBins, APictureTurnedByHalfATurnHasItsBinsTurned) {
+  const Colors c = random_colors(60, 60, "Turned");
+  Colors turned = c;
+  std::ranges::reverse(turned.at);
+  const Stored s = store(c, PixelFormat::rgb, 0, false),
+               t = store(turned, PixelFormat::rgb, 0, false);
+  for (const int step : {1, 2, 3, 4, 5, 6}) {  // else a bin would not lie where BinGrid says
+    BinImage bins = read(s.view, step);
+    bins.bins.resize(bins.used().size());
+    std::ranges::reverse(bins.bins);
+    EXPECT_TRUE(std::ranges::equal(bins.used(), read(t.view, step).used())) << step;
+  }
+}
+
 TEST(ColorBins, ABinsCentreIsNearItsColours) {
   std::mt19937 rng = random_for("ColorBins.ABinsCentreIsNearItsColours");
   int fine = 0;

@@ -69,8 +69,9 @@ struct PixelRect {
   int x0_px = 0, y0_px = 0, width_px = 0, height_px = 0;
 };
 
-/// Where in a frame colour bins lie, possibly reduced: bin (u, v) is the mean colour of the
-/// step x step input pixels from (x0_px + u * step_px, y0_px + v * step_px) on.
+/// Where in a frame colour bins lie, possibly reduced: bin (u, v) is the mean colour of up to four
+/// of the step x step input pixels from (x0_px + u * step_px, y0_px + v * step_px) on, in the
+/// middle of which their mean lies.
 struct BinGrid {
   int width = 0, height = 0;
   int x0_px = 0, y0_px = 0, step_px = 1;
