@@ -207,6 +207,7 @@ PoseEstimate mixture(const PoseEstimate& a, const PoseEstimate& b, double probab
   e.T_camera_hand.translation() += q * d.tail<3>();
   e.covariance =
       probability_a * a.covariance + q * b.covariance + probability_a * q * d * d.transpose();
+  e.noise_covariance = probability_a * a.noise_covariance + q * b.noise_covariance;
   e.rms_px = std::min(a.rms_px, b.rms_px);  // while it is not known which, either may explain
   return e;
 }

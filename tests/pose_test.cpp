@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -580,6 +581,9 @@ TEST(Relief, TheMirroredOneTiltsTheHandAndTheMeanSaysSo) {
   EXPECT_GT(error, deg(1.0));
   EXPECT_NEAR(test::rotation_error_rad(mean->T_camera_hand, truth), 0.5 * error, 0.01 * error);
   EXPECT_GT(sigma_rotation_rad(mean->covariance), sigma_rotation_rad(wrong->covariance));
+  const Matrix6d lasting = mean->covariance - mean->noise_covariance;
+  EXPECT_GT(lasting.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0)
+      << "the noise is a part of the covariance";
   EXPECT_LT(mean->relief_log_ratio, 0.0) << "the mirrored relief fits better";
   EXPECT_EQ(wrong->relief_log_ratio, 0.0);
 }
