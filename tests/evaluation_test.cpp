@@ -226,6 +226,7 @@ TEST(Dynamics, ADelayIsFoundToATenthOfAFrame) {
     EXPECT_NEAR(*delay * 30, lag_frames, 0.1);
   }
   EXPECT_FALSE(delay_s(make_truth(100, [](double) { return hand_at(0); }), Poses(100, hand_at(0))));
+  EXPECT_FALSE(delay_s(make_truth(3), Poses(3, hand_at(0))));
 }
 
 TEST(Dynamics, JitterIsTheSpreadOfTheErrorNotItsMean) {

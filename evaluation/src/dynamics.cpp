@@ -117,8 +117,10 @@ Jitter jitter(const Truth& truth, const Poses& poses) {
 std::optional<double> delay_s(const Truth& truth, const Poses& poses) {
   Steps steps;
   double moved = 0;
+  const std::size_t ahead = std::size_t(-kLeastLag);
+  const std::size_t after = poses.size() > ahead ? poses.size() - ahead : 0;
   // Only where truth is known at every lag, so that all lags are tried on the same frames.
-  for (std::size_t i = kStepFrames + kMostLag; i < poses.size() + kLeastLag; ++i) {
+  for (std::size_t i = kStepFrames + kMostLag; i < after; ++i) {
     const std::size_t before = i - kStepFrames;
     if (!poses[i] || !poses[before]) continue;
     if (truth.frames[i].other_face != truth.frames[before].other_face) continue;
