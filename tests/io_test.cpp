@@ -186,8 +186,7 @@ TEST_F(IoTest, CameraFitsOtherSizesOfTheSameShapeOnly) {
 }
 
 TEST_F(IoTest, HandIsReadBackAsWritten) {
-  HandModel hand = average_adult_hand();
-  hand.layout = Layout::thumb_left;
+  HandModel hand = average_adult_hand().for_layout(Layout::thumb_left);
   hand.source = HandSource::checkerboard;
   hand.rms_px = 1.0 / 3.0;
   hand.tips_sigma_m.setZero();  // version 1 has none
@@ -229,6 +228,7 @@ TEST_F(IoTest, FaultyHandFilesAreRefusedByField) {
       {"0.093328608", "1e999, 0", "is not valid JSON"},
       {"-0.063423204", "0.063423204", "tips_m: thumb and little finger are 46 mm apart"},
       {"thumb_right", "left", "layout is neither thumb_right nor thumb_left"},
+      {"thumb_right", "thumb_left", "layout is thumb_left, but the thumb"},
       {"\"truth\"", "\"guess\"", "source is none of checkerboard, default, self, truth"},
       {"\"source\"", "\"origin\"", "source is missing"},
       {"\"rms_px\": 0.0", "\"rms_px\": -1", "rms_px is beyond reason"},

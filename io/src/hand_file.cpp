@@ -156,6 +156,10 @@ HandModel read_fields(const Reader& file) {
     file.fail("layout is neither thumb_right nor thumb_left");
   }
   hand.layout = layout == name(Layout::thumb_right) ? Layout::thumb_right : Layout::thumb_left;
+  const bool thumb_on_the_right = hand.tips_m(0, 0) > hand.tips_m(0, kFingerCount - 1);
+  if (thumb_on_the_right != (hand.layout == Layout::thumb_right)) {
+    file.fail("layout is " + layout + ", but the thumb's x in tips_m is on the other side");
+  }
 
   const std::string source = file.text("source");
   const auto known = std::find_if(std::begin(kSources), std::end(kSources),
