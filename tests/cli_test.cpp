@@ -148,7 +148,14 @@ TEST_F(CliTest, WrongUsageIsTwo) {
         "track " + kVideo + " --processing third", "track " + kVideo + " --fingertips nails",
         "track " + kVideo + " --poses " + out("a") + " --video " + out("a"),
         "track " + in("v.mp4") + " --video " + in("v.mp4"), "track " + kVideo + " another",
-        std::string("cameras 1")}) {
+        "track " + kVideo + " --poses ''", "track " + kVideo + " --model teapot --model-mm nan",
+        std::string("dance --help"), std::string("--dance"), std::string("cameras 1"),
+        "learn-color " + in("v.mp4") + " --out " + in("./v.mp4"),
+        "inspect " + in("v.mp4") + " --scene " + kData + "/scene_select.json --events " +
+            in("../in/v.mp4"),
+        "calibrate " + in("v.mp4") + " --board 8x6 --square-mm 22 --camera-out " + out("a") +
+            " --hand-out " + out("./a"),
+        "board --square-mm nan --out " + out("b.pdf")}) {
     const Outcome r = run(arguments);
     EXPECT_EQ(r.code, 2) << arguments;
     EXPECT_EQ(lines(r.err), 1) << r.err;

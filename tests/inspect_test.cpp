@@ -97,6 +97,14 @@ TEST_F(InspectTest, FaultySceneFilesAreSaidInOneLine) {
   EXPECT_NE(complaint(s).find("broken.gltf"), std::string::npos);
 }
 
+TEST_F(InspectTest, EventsOfAnEarlierRunStayUntilThereAreOthers) {
+  std::ofstream(path("e.jsonl")) << "earlier\n";
+  EXPECT_EQ(run(path("gone.mp4") + " --scene " + kData + "/scene_select.json --events " +
+                path("e.jsonl")),
+            1);
+  EXPECT_EQ(contents(path("e.jsonl")), "earlier\n");
+}
+
 TEST_F(InspectTest, WrongUsageIsTwo) {
   EXPECT_EQ(run(kClip), 2);
   EXPECT_EQ(run("--scene " + kData + "/scene_select.json"), 2);

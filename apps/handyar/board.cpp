@@ -4,12 +4,11 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 
 #include "command.hpp"
 #include "handyar/calibration/board_sheet.hpp"
-#include "handyar/io/error.hpp"
 #include "handyar/io/pending_file.hpp"
+#include "handyar/io/picture_file.hpp"
 
 namespace handyar::cli {
 namespace {
@@ -28,10 +27,7 @@ int make_board(const BoardRun& run) {
   if (type == ".pdf") {
     io::write_text(run.out, board_pdf(board));
   } else if (type == ".png") {
-    io::PendingFile file(run.out);
-    if (!cv::imwrite(file.path(), board_image(board)))
-      throw io::Error(run.out, "cannot be written");
-    file.commit();
+    io::write_picture(run.out, board_image(board));
   } else {
     throw WrongUsage("--out " + run.out + " is neither .pdf nor .png");
   }
@@ -52,8 +48,12 @@ Command add_board(CLI::App& app) {
       ->required();
   options->add_option("--squares", run->squares, "Squares across and down")->capture_default_str();
   options->add_option("--square-mm", run->square_mm, "Side of a square, in print")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(between(1.0, 1000.0))
       ->capture_default_str();
+  options->footer(
+      "Examples:\n"
+      "  handyar board --out board.pdf                   to print, squares of 25 mm\n"
+      "  handyar board --out board.png --squares 7x5     to show on a screen");
   return {options, [run] { return make_board(*run); }};
 }
 

@@ -2,9 +2,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 
 #include "annotate.hpp"
 #include "command.hpp"
@@ -16,6 +14,7 @@
 #include "handyar/io/frame_source.hpp"
 #include "handyar/io/hand_file.hpp"
 #include "handyar/io/pending_file.hpp"
+#include "handyar/io/picture_file.hpp"
 #include "handyar/io/skin_file.hpp"
 #include "handyar/render/window.hpp"
 
@@ -32,13 +31,11 @@ constexpr const char* kNotes =
     "hand.json\n"
     "  handyar calibrate hand.mp4 --camera camera.yml --self --span-mm 190 --hand-out hand.json";
 
-enum class HandMethod { triangulation, plane };
-
 struct CalibrateRun {
   std::string input, camera_file, skin_file, camera_out, hand_out, picture_out;
   std::string grid;
   double square_mm = 0, thickness_mm = 5;
-  HandMethod method = HandMethod::triangulation;
+  std::string method = "triangulation";
   bool self = false, show = false;
   double span_mm = 0, hand_length_mm = 0;  // 0: not measured
 
@@ -71,12 +68,8 @@ void check_usage(const CalibrateRun& run) {
   if (const auto type = std::filesystem::path(run.picture_out).extension();
       !run.picture_out.empty() && type != ".png" && type != ".jpg")
     throw WrongUsage("--picture " + run.picture_out + " is neither .png nor .jpg");
-  const std::string* files[] = {&run.input,      &run.camera_file, &run.skin_file,
-                                &run.camera_out, &run.hand_out,    &run.picture_out};
-  for (std::size_t i = 0; i < std::size(files); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (!files[i]->empty() && *files[i] == *files[j])
-        throw WrongUsage(*files[i] + " is named twice");
+  require_distinct_files({run.input, run.camera_file, run.skin_file},
+                         {run.camera_out, run.hand_out, run.picture_out});
 }
 
 // Hands every frame to `take` with what the tracker sees in it, until the input ends or `take`
@@ -94,12 +87,6 @@ void watch(io::FrameSource& source, const Camera& camera, const SkinColors& skin
       throw io::Error(source.info().name, handyar::describe(result.status));
     if (!take(frame, tracker, result)) break;
   }
-}
-
-void write_picture(const std::string& path, const HandPicture& picture) {
-  io::PendingFile file(path);
-  if (!cv::imwrite(file.path(), draw_hand(picture))) throw io::Error(path, "cannot be written");
-  file.commit();
 }
 
 void report(const CameraCalibration& c, std::size_t frames) {
@@ -175,11 +162,10 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
   }
   if (!run.camera_out.empty()) io::write_camera(run.camera_out, camera);
   if (!run.hand_out.empty())
-    io::write_hand(run.hand_out,
-                   run.method == HandMethod::plane ? hand->by_plane : hand->by_triangulation);
+    io::write_hand(run.hand_out, run.method == "plane" ? hand->by_plane : hand->by_triangulation);
   if (!run.picture_out.empty())
-    write_picture(run.picture_out,
-                  {hand->by_triangulation, board, hand->T_board_hand, hand->plane_tips.p_m});
+    io::write_picture(run.picture_out, draw_hand({hand->by_triangulation, board, hand->T_board_hand,
+                                                  hand->plane_tips.p_m}));
   return kDone;
 }
 
@@ -212,7 +198,7 @@ int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Cam
   const SelfCalibration c = self_calibrate_hand(views, camera, known);
   report(c);
   if (!run.hand_out.empty()) io::write_hand(run.hand_out, c.hand);
-  if (!run.picture_out.empty()) write_picture(run.picture_out, {c.hand, {}, {}, {}});
+  if (!run.picture_out.empty()) io::write_picture(run.picture_out, draw_hand({c.hand, {}, {}, {}}));
   return kDone;
 }
 
@@ -220,6 +206,8 @@ int calibrate(const CalibrateRun& run) {
   check_usage(run);
   const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
   const io::SourceInfo& info = source->info();
+  for (const std::string& out : {run.camera_out, run.hand_out, run.picture_out})
+    if (!out.empty()) io::PendingFile probe(out);  // known before the recording, not after it
   std::optional<Camera> camera;
   if (!run.camera_file.empty())
     camera = io::camera_for_size(io::read_camera(run.camera_file), info.width_px, info.height_px,
@@ -242,7 +230,7 @@ Command add_calibrate(CLI::App& app) {
   options->add_option("INPUT", run->input, "The recording, or a camera")->required();
   options->add_option("--board", run->grid, "Inner corners of the checkerboard, e.g. 8x6");
   options->add_option("--square-mm", run->square_mm, "Side of its squares")
-      ->check(CLI::Range(1.0, 1000.0));
+      ->check(between(1.0, 1000.0));
   options->add_option("--camera-out", run->camera_out, "Write the camera (YAML)");
   options->add_option("--hand-out", run->hand_out, "Write the hand (JSON)");
   options->add_option("--picture", run->picture_out,
@@ -251,23 +239,22 @@ Command add_calibrate(CLI::App& app) {
                       "Known camera (YAML): only the hand is measured");
   options->add_option("--skin", run->skin_file, kSkinHelp);
   options->add_option("--method", run->method, "How the hand is measured")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, HandMethod>{
-          {"triangulation", HandMethod::triangulation}, {"plane", HandMethod::plane}}))
-      ->default_str("triangulation");
+      ->check(CLI::IsMember({"triangulation", "plane"}))
+      ->capture_default_str();
   options
       ->add_option("--thickness-mm", run->thickness_mm,
                    "Height of the fingertips above the board, for the paper's way")
-      ->check(CLI::Range(0.0, 50.0))
+      ->check(between(0.0, 50.0))
       ->capture_default_str();
   options->add_flag("--self", run->self, "Without a board: from the hand's own motion");
   options
       ->add_option("--span-mm", run->span_mm,
                    "With --self: thumb tip to little fingertip, as spread in the recording")
-      ->check(CLI::Range(50.0, 350.0));
+      ->check(between(50.0, 350.0));
   options
       ->add_option("--hand-length-mm", run->hand_length_mm,
                    "With --self: crease of the wrist to tip of the middle finger")
-      ->check(CLI::Range(80.0, 300.0));
+      ->check(between(80.0, 300.0));
   options->add_flag("--show", run->show, "Show what is seen and what is missing; q or Esc ends");
   options->footer(kNotes);
   return {options, [run] { return calibrate(*run); }};

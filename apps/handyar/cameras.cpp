@@ -33,7 +33,9 @@ int print_cameras() {
 }  // namespace
 
 Command add_cameras(CLI::App& app) {
-  return {app.add_subcommand("cameras", "List the cameras of this machine"), print_cameras};
+  CLI::App* options = app.add_subcommand("cameras", "List the cameras of this machine");
+  options->footer("Each by its path, its name or its number: handyar track 0 --show");
+  return {options, print_cameras};
 }
 
 }  // namespace handyar::cli

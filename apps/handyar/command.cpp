@@ -6,6 +6,10 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
+#include <sstream>
+
+namespace fs = std::filesystem;
 
 namespace handyar::cli {
 namespace {
@@ -17,11 +21,42 @@ void note_signal(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
+bool same_file(const std::string& a, const std::string& b) {
+  if (a.empty() || b.empty()) return false;
+  std::error_code fault;
+  if (a == b || fs::equivalent(a, b, fault)) return true;
+  // Neither need be there yet.
+  const fs::path whole = fs::weakly_canonical(fs::absolute(a), fault);
+  return !fault && whole == fs::weakly_canonical(fs::absolute(b), fault);
+}
+
 }  // namespace
 
+CLI::Validator between(double low, double high) {
+  std::ostringstream range;
+  range << "FLOAT in [" << low << " - " << high << "]";
+  const auto fault_of = [=, range = range.str()](std::string& text) {
+    double value = 0;
+    const bool good = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+    return good ? std::string() : text + " is not a " + range;
+  };
+  return CLI::Validator(fault_of, range.str());
+}
+
+void require_distinct_files(std::initializer_list<std::string> inputs,
+                            std::initializer_list<std::string> outputs) {
+  for (auto out = outputs.begin(); out != outputs.end(); ++out) {
+    for (const std::string& in : inputs)
+      if (same_file(*out, in)) throw WrongUsage(*out + " is both read and written");
+    for (auto other = outputs.begin(); other != out; ++other)
+      if (same_file(*out, *other)) throw WrongUsage(*out + " is named twice");
+  }
+}
+
 void catch_interrupts() {
-  std::signal(SIGINT, note_signal);
-  std::signal(SIGTERM, note_signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    if (std::signal(signal, note_signal) == SIG_IGN) std::signal(signal, SIG_IGN);  // nohup
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is then a fault of writing
 }
 
 int interrupt() noexcept { return caught_signal; }

@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
+#include <stdexcept>
 #include <string>
 
 namespace handyar::cli {
@@ -31,12 +33,21 @@ Command add_cameras(CLI::App& app);
 Command add_evaluate(CLI::App& app);
 Command add_learn_color(CLI::App& app);
 
+/// What an option's number may be; unlike CLI11's own check it does not take nan.
+CLI::Validator between(double low, double high);
+
 /// Two options that contradict each other and the like: exit code 2.
 struct WrongUsage : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Notes SIGINT and SIGTERM so that loops can end and finish their files; a second one kills.
+/// Throws WrongUsage when a file would be written that is also read, or by two options; empty names
+/// are none.
+void require_distinct_files(std::initializer_list<std::string> inputs,
+                            std::initializer_list<std::string> outputs);
+
+/// Notes SIGINT, SIGTERM and SIGHUP so that loops can end and finish their files; a second one
+/// kills.
 void catch_interrupts();
 /// The signal that came, or 0.
 int interrupt() noexcept;

@@ -5,13 +5,13 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "annotate.hpp"
 #include "handyar/hand_shape.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/pending_file.hpp"
+#include "handyar/io/picture_file.hpp"
 
 namespace handyar::cli {
 namespace {
@@ -166,8 +166,7 @@ std::optional<FrameSet> parse_frames(const std::string& text) {
   }
 }
 
-DebugPictures::DebugPictures(std::string folder, FrameSet frames)
-    : folder_(std::move(folder)), frames_(std::move(frames)) {
+DebugPictures::DebugPictures(std::string folder) : folder_(std::move(folder)) {
   std::error_code fault;
   fs::create_directories(folder_, fault);
   if (fault) throw io::Error(folder_, "cannot be made: " + fault.message());
@@ -182,9 +181,7 @@ void DebugPictures::prepare(const HandTracker& tracker) {
 void DebugPictures::save(const cv::Mat& picture, const char* stage) const {
   char name[64];
   std::snprintf(name, sizeof name, "frame_%06lld_%s.png", static_cast<long long>(frame_), stage);
-  io::PendingFile file((fs::path(folder_) / name).string());
-  if (!cv::imwrite(file.path(), picture)) throw io::Error(file.target(), "cannot be written");
-  file.commit();
+  io::write_picture((fs::path(folder_) / name).string(), picture);
 }
 
 void DebugPictures::write(const cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,

@@ -26,9 +26,7 @@ std::optional<FrameSet> parse_frames(const std::string& text);
 class DebugPictures {
  public:
   /// Makes the folder; throws io::Error when files cannot be written to it.
-  DebugPictures(std::string folder, FrameSet frames);
-
-  const FrameSet& frames() const noexcept { return frames_; }
+  explicit DebugPictures(std::string folder);
 
   /// Before the tracker processes a chosen frame: keeps what it will be segmented with.
   void prepare(const HandTracker& tracker);
@@ -41,7 +39,6 @@ class DebugPictures {
   void save(const cv::Mat& picture, const char* stage) const;
 
   std::string folder_;
-  FrameSet frames_;
   std::int64_t frame_ = 0;
   std::vector<std::int8_t> ratios_;
 };

@@ -44,6 +44,7 @@ Command add_demo(CLI::App& app) {
       ->capture_default_str();
   const auto skin = std::make_shared<std::string>();
   options->add_option("--skin", *skin, kSkinHelp)->type_name("FILE");
+  options->footer("Example:\n  handyar demo --out /tmp/handyar-demo");
   return {options, [folder, skin] { return demo(*folder, *skin); }};
 }
 

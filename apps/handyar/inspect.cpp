@@ -52,16 +52,18 @@ class EventLog {
 };
 
 int inspect(TrackingRun run, const std::string& scene_file, const std::string& events_file) {
-  if (!events_file.empty() && (events_file == scene_file || events_file == run.video_out))
-    throw WrongUsage(events_file + " is named twice");
+  require_distinct_files({run.input, run.camera_file, run.hand_file, run.skin_file, scene_file},
+                         {run.video_out, events_file});
   render::InspectionView view(render::read_scene(scene_file));
   std::optional<EventLog> log;
   if (!events_file.empty()) log.emplace(events_file);
 
   run.annotated = false;
+  bool begun = false;
   const bool pictures = run.show || !run.video_out.empty();
   run.overlay = [&](cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,
                     const Camera& camera, const TrackResult& result) {
+    begun = true;
     const auto hand = render::HandInView::of(tracker, result);
     const auto event = view.update(bgr, camera, result.time_s, hand);
     if (pictures) view.draw(bgr, camera, hand);
@@ -71,7 +73,7 @@ int inspect(TrackingRun run, const std::string& scene_file, const std::string& e
   try {
     summary = track(run);
   } catch (const io::Error&) {
-    if (log) log->finish();
+    if (log && begun) log->finish();
     throw;
   }
   if (log) log->finish();

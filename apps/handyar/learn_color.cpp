@@ -63,7 +63,7 @@ std::string seconds(double s) {
 }
 
 int learn_color(const LearnRun& run) {
-  if (run.input == run.out) throw WrongUsage(run.out + " is both read and written");
+  require_distinct_files({run.input}, {run.out});
   const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
   const io::SourceInfo& info = source->info();
   { const io::PendingFile probe(run.out); }  // known before the hand is held up, not after it
@@ -114,7 +114,7 @@ Command add_learn_color(CLI::App& app) {
       ->required()
       ->type_name("FILE");
   options->add_option("--seconds", run->seconds, "How long the hand is to be tracked")
-      ->check(CLI::Range(0.2, 600.0))
+      ->check(between(0.2, 600.0))
       ->capture_default_str();
   options->add_flag("--show", run->show, "Show it in a window; q or Esc ends");
   options->footer(kNotes);

@@ -24,10 +24,17 @@ int wrong_usage(const CLI::App& app, const std::string& fault) {
 
 // CLI11 takes a mistyped subcommand for a missing one.
 std::string fault_of(const CLI::App& app, const CLI::ParseError& e, int argc, char** argv) {
-  if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-') {
-    return std::string("there is no subcommand ") + argv[1];
-  }
-  return e.what();
+  if (!app.get_subcommands().empty() || argc < 2) return e.what();
+  return (argv[1][0] == '-' ? "there is no option " : "there is no subcommand ") +
+         std::string(argv[1]);
+}
+
+// A script's empty variable is not an option that was left out.
+void require_values(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands())
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& value : option->results())
+        if (value.empty()) throw WrongUsage(option->get_name() + " is empty");
 }
 
 int run(int argc, char** argv) {
@@ -42,11 +49,14 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version
+    if (app.get_subcommands().empty() && argv[1][0] != '-')
+      return wrong_usage(app, std::string("there is no subcommand ") + argv[1]);
     return app.exit(asked);
   } catch (const CLI::ParseError& e) {
     return wrong_usage(app, fault_of(app, e, argc, argv));
   }
   try {
+    require_values(app);
     for (const Command& command : commands) {
       if (command.options->parsed()) return command.run();
     }

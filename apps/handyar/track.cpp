@@ -51,7 +51,7 @@ Command add_track(CLI::App& app) {
                    "Stand an object on the hand: teapot, bunny, or a file (OBJ, PLY, glTF)")
       ->type_name("MODEL");
   options->add_option("--model-mm", choices->model_mm, "The object's longest side")
-      ->check(CLI::Range(1.0, 10000.0))
+      ->check(between(1.0, 10000.0))
       ->capture_default_str();
   options->add_flag("--show", run->show, "Show it in a window; q or Esc ends");
   options
@@ -92,7 +92,8 @@ Command add_track(CLI::App& app) {
             }
             run->debug_frames = debug_frames_of(*choices, *run);
             const Summary summary = track(*run);
-            std::cout << describe(summary) << '\n';
+            std::ostream& to = run->poses_out == "/dev/stdout" ? std::cerr : std::cout;
+            to << describe(summary) << '\n';
             return exit_code(summary);
           }};
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <vector>
 
@@ -20,22 +19,6 @@
 
 namespace handyar::cli {
 namespace {
-
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return !a.empty() && !b.empty() && (a == b || std::filesystem::equivalent(a, b, ignored));
-}
-
-void require_distinct_files(const TrackingRun& run) {
-  const std::string* outputs[] = {&run.poses_out, &run.video_out};
-  const std::string* inputs[] = {&run.input, &run.camera_file, &run.hand_file, &run.skin_file};
-  for (const std::string* out : outputs) {
-    for (const std::string* in : inputs) {
-      if (same_file(*out, *in)) throw WrongUsage(*out + " is both read and written");
-    }
-  }
-  if (same_file(run.poses_out, run.video_out)) throw WrongUsage(run.poses_out + " is named twice");
-}
 
 // What is taken for granted is told once everything could be opened: a fault is then the one line.
 using Notes = std::vector<std::string>;
@@ -76,7 +59,7 @@ struct Outputs {
     if (!run.video_out.empty()) {
       video.emplace(run.video_out, input.width_px, input.height_px, input.fps);
     }
-    if (!run.debug_folder.empty()) debug.emplace(run.debug_folder, run.debug_frames);
+    if (!run.debug_folder.empty()) debug.emplace(run.debug_folder);
     if (run.show) window.emplace(input.width_px, input.height_px, "handyar");
   }
   bool pictures() const { return video || window; }
@@ -155,7 +138,8 @@ void add_tracker_files(CLI::App* options, TrackingRun& run) {
 }
 
 Summary track(const TrackingRun& run) {
-  require_distinct_files(run);
+  require_distinct_files({run.input, run.camera_file, run.hand_file, run.skin_file},
+                         {run.poses_out, run.video_out});
   const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
   Notes notes;
   const Camera camera = camera_of(run, source->info(), notes);
