@@ -25,6 +25,7 @@ TEST(CalibrateHand, TriangulatesExactTips) {
     EXPECT_NEAR(c.by_triangulation.tips_m(2, k), scene.hand.tips_m(2, k), 0.0006)
         << "drawn a little towards the common height";
   EXPECT_NEAR(c.height_m, scene.height_m, 0.0002);
+  EXPECT_EQ(c.by_triangulation.thickness_m, c.height_m);
   EXPECT_EQ(c.by_triangulation.layout, Layout::thumb_right);
   EXPECT_EQ(c.by_triangulation.source, HandSource::checkerboard);
 }

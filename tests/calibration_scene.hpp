@@ -70,7 +70,6 @@ struct Scene {
       return camera.project(p) + sigma * Eigen::Vector2d(normal(random), normal(random));
     };
     CalibrationView v;
-    v.time_s = i / 30.0;
     v.blur_px = 2.2;
     const Eigen::Isometry3d T = T_camera_board(i), T_camera_hand = T * T_board_hand();
     for (const cv::Point3f& c : board.corners_m()) {

@@ -35,7 +35,6 @@ struct TurningHand : Scene {
     std::vector<CalibrationView> out;
     for (int i = 0; i < views; ++i) {
       CalibrationView v;
-      v.time_s = i / 30.0;
       const auto seen = [&](const Eigen::Vector3d& p) {
         return Tip{camera.project(T_camera_hand(i) * p) +
                        noise_px * Eigen::Vector2d(normal(random), normal(random)),

@@ -146,7 +146,6 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
 
   HandCalibration out;
   out.views_used = sights.views;
-  out.T_camera_board = poses;
   out.tips = triangulate(tip_tracks, poses, camera);
   require_plausible((out.tips.p_m.col(0) - out.tips.p_m.col(4)).norm(), board);
   require_still(out.tips, tip_tracks, poses, camera);
@@ -173,10 +172,10 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
   out.by_plane = hand_model(plane_points, hand_frame(plane_points, up));
   out.by_triangulation.rms_px = out.tips.rms_px;
   out.by_plane.rms_px = out.plane_tips.rms_px;
-  for (HandModel* m : {&out.by_triangulation, &out.by_plane}) {
-    m->source = HandSource::checkerboard;
-    m->thickness_m = thickness_m;
-  }
+  out.height_m = -out.tips.p_m.row(2).mean();
+  out.by_triangulation.thickness_m = std::max(out.height_m, 0.0);
+  out.by_plane.thickness_m = thickness_m;
+  out.by_triangulation.source = out.by_plane.source = HandSource::checkerboard;
   const Eigen::Matrix3d R_hand_board = out.T_board_hand.linear().transpose();
   for (int k = 0; k < kFingerCount; ++k) {
     const Eigen::Matrix3d c = R_hand_board * out.tips.covariance_m2[k] * R_hand_board.transpose();
@@ -184,7 +183,6 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
   }
   out.by_triangulation.outline_m =
       measure_outline(views, sights.views, poses, camera, out.T_board_hand, out.by_triangulation);
-  out.height_m = -out.tips.p_m.row(2).mean();
   out.rms_difference_m =
       std::sqrt((out.tips.p_m - out.plane_tips.p_m).topRows<2>().colwise().squaredNorm().mean());
   return out;

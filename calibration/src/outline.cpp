@@ -14,7 +14,6 @@ namespace {
 constexpr int kViews = 12;           // the most frontal ones
 constexpr double kPixel_m = 0.0005;  // of the picture in which outlines are averaged
 constexpr double kSpacing_m = 0.002;
-constexpr double kAverageMiddleToWrist_m = 0.187;  // hand length of average_adult_hand()
 
 // Picture of the hand plane: x to the right, y up, as the hand is looked at.
 struct PlanePicture {
@@ -152,7 +151,7 @@ std::vector<Eigen::Vector2d> measure_outline(std::span<const CalibrationView> vi
   candidates.resize(std::min<std::size_t>(candidates.size(), kViews));
 
   const double scale = fit_average_hand(hand.tips_m.topRows<2>()).scale;
-  const double wrist_y_m = hand.tips_m(1, 2) - scale * kAverageMiddleToWrist_m;
+  const double wrist_y_m = hand.tips_m(1, 2) - scale * kAverageHandLength_m;
   const double margin_m = 0.03;
   const double half_width_m = hand.tips_m.row(0).cwiseAbs().maxCoeff() + margin_m;
   PlanePicture picture{-half_width_m, hand.tips_m.row(1).maxCoeff() + margin_m, {}};

@@ -122,7 +122,7 @@ void write_caption(Plane& plane, const HandPicture& picture) {
                   1);
   if (picture.plane_tips_board_m)
     plane.caption(text("crosses: at %.4g mm above the board, the paper's way",
-                       1000 * picture.hand.thickness_m),
+                       -1000 * picture.plane_tips_board_m->row(2).mean()),
                   2);
 }
 

@@ -17,7 +17,6 @@ namespace handyar {
 namespace {
 
 constexpr int kMaxSelfViews = 60;
-constexpr double kAverageHandLength_m = 0.187;  // of average_adult_hand()
 constexpr double kShapePrior_m = 0.020, kHeightPrior_m = 0.005;
 constexpr double kDegree = std::numbers::pi / 180;
 

@@ -15,7 +15,6 @@ constexpr int kThoroughEvery = 12;
 
 CalibrationView hand_view(const TrackResult& hand, std::span<const Eigen::Vector2f> contour_px) {
   CalibrationView v;
-  v.time_s = hand.time_s;
   if (hand.state != State::acquiring && hand.state != State::tracking) return v;
   v.tips = hand.tips;
   v.valleys = hand.valleys;

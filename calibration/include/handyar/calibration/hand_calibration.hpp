@@ -21,7 +21,6 @@ struct HandCalibration {
   double height_m = 0;          ///< mean height of the tips above the board as triangulated
   double rms_difference_m = 0;  ///< between the two, in the plane of the board
   std::vector<int> views_used;  ///< indices into the views given
-  std::vector<Eigen::Isometry3d> T_camera_board;  ///< for each view used
 };
 
 /// Measures the hand in the views that show it together with the board (paper 2.4). Throws

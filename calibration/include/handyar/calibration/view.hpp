@@ -15,7 +15,6 @@ namespace handyar {
 
 /// What one frame of a calibration recording shows.
 struct CalibrationView {
-  double time_s = 0;
   std::vector<cv::Point2f> corners_px;  ///< of the board, row by row; empty: not seen
   double blur_px = 0;                   ///< width of the board's edges, see edge_width_px
   std::array<Tip, kFingerCount> tips;
