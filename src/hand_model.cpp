@@ -58,7 +58,6 @@ Eigen::Matrix<double, 3, kValleyCount> HandModel::valley_directions() const noex
 
 Eigen::Vector3d outline_end_m(const Eigen::Vector3d& end_m, const Eigen::Vector3d& direction,
                               double radius_m, const Eigen::Vector3d& eye_m) noexcept {
-  constexpr double kEndOn = 0.2;  // a finger that points at the eye has no end
   const Eigen::Vector3d centre = end_m - radius_m * direction;
   const Eigen::Vector3d ray = (centre - eye_m).normalized();
   const Eigen::Vector3d across = direction - direction.dot(ray) * ray;

@@ -30,7 +30,7 @@ using Bones = std::array<Bone, 2 * kFingerCount + kValleyCount>;
 Bones bones_of(const HandShape& hand_m) {
   constexpr std::array<float, kFingerCount> kRadius_m = {0.010f, 0.0085f, 0.0088f, 0.0083f,
                                                          0.0073f};
-  constexpr float kWebRadius_m = 0.008f;
+  constexpr float kWebFlesh_m = 0.008f;
   const auto wrist = [](const Eigen::Vector2f& p) {
     return Eigen::Vector2f(0.45f * p.x(), -0.085f);
   };
@@ -43,7 +43,7 @@ Bones bones_of(const HandShape& hand_m) {
   for (int k = 0; k < kValleyCount; ++k) {
     const Eigen::Vector2f valley = hand_m.valleys[k];
     const Eigen::Vector2f down = (wrist(valley) - valley).normalized();
-    bones[2 * kFingerCount + k] = {wrist(valley), valley + kWebRadius_m * down, kWebRadius_m};
+    bones[2 * kFingerCount + k] = {wrist(valley), valley + kWebFlesh_m * down, kWebFlesh_m};
   }
   return bones;
 }

@@ -146,7 +146,7 @@ bool reprojection(const PosePoint& point, const Camera& camera, const Eigen::Iso
     const Eigen::Vector3d ray = seen.normalized();
     const double length = (direction - direction.dot(ray) * ray).norm();
     const Eigen::Vector3d out = rim.normalized();
-    J_pose.leftCols<3>() -= point.radius_m / std::max(length, 0.2) *
+    J_pose.leftCols<3>() -= point.radius_m / std::max(length, kEndOn) *
                             (J_point - J_point * out * out.transpose()) * so3::skew(direction);
   }
   J_hand_m = J_point * T.linear();

@@ -64,7 +64,7 @@ void HandTracker::Impl::advance(bool seen) noexcept {
     const HandShape now = to_input(found);
     const bool resumed = following && state == State::lost;
     if (following) {
-      velocity_px_s = (now.palm() - shape.palm()) / static_cast<float>(time_s - seen_s);
+      velocity_px_s = (now.palm() - seen_palm_px) / static_cast<float>(time_s - seen_s);
     } else {
       if (!known || own_shape.layout() != found.layout) own_shape.reset();
       first_seen_s = time_s;
@@ -74,7 +74,7 @@ void HandTracker::Impl::advance(bool seen) noexcept {
     ++seen_frames;
     const bool confirmed =
         time_s - first_seen_s > (known ? limits.reconfirm_s : limits.confirm_s) - 1e-6 &&
-        seen_frames >= (known ? 2 : limits.confirm_frames);
+        seen_frames >= (known ? limits.reconfirm_frames : limits.confirm_frames);
     if (state != State::tracking) state = resumed || confirmed ? State::tracking : State::acquiring;
     if (!colorless) colored_s = time_s;
     if (state == State::tracking) {
@@ -88,6 +88,7 @@ void HandTracker::Impl::advance(bool seen) noexcept {
       tracked_s = time_s;
     }
     shape = now;
+    seen_palm_px = now.palm();
     centroid_px = to_input(component.centroid);
     following = true;
     seen_s = time_s;
@@ -136,7 +137,7 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   };
   // By colour alone; unless that is surely a hand, by place and edges too: the more hand-like wins.
   const auto look = [&](bool anew) {
-    if (!clock.time(times.segmentation_ms, [&] { return t.read_neighbourhood(frame); }))
+    if (!clock.time(times.segmentation_ms, [&] { return t.read_neighbourhood(frame, anew); }))
       return false;
     const bool seen = look_at(anew, false);
     const HandShape first = t.found;
@@ -186,7 +187,7 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
     if (search()) {
       seen = look_anew();
     } else if (clock.time(times.segmentation_ms, [&] { return t.find_own_outline(); })) {
-      seen = clock.time(times.segmentation_ms, [&] { return t.read_neighbourhood(frame); }) &&
+      seen = clock.time(times.segmentation_ms, [&] { return t.read_neighbourhood(frame, true); }) &&
              look_at_outline(true);
       if (!seen) t.forget_found();
     }

@@ -41,13 +41,19 @@ struct HandTracker::Impl {
   bool adopt_found(const ImageView& frame) noexcept;
 
   // tracker_stages.cpp: in the order of the paper's Figure 2.
-  bool read_neighbourhood(const ImageView& frame) noexcept;
+  bool read_neighbourhood(const ImageView& frame, bool anew) noexcept;
   bool segment(bool where_expected) noexcept;
   bool follow_outline() noexcept;
   bool trace(const Component* hand) noexcept;
   bool trace(const Mask& mask) noexcept;
   bool find_fingertips() noexcept;
   bool match(bool anew) noexcept;
+  int assign_tips(bool anew) noexcept;
+  bool find_valleys() noexcept;
+  int judge_tips() noexcept;
+  HandShapeConfig limits_of_belief() const noexcept;
+  bool has_turned_over(const HandShapeConfig& limits) const noexcept;
+  void place_what_was_missed() noexcept;
   void measure_tips(TrackResult& result) noexcept;
   bool estimate_pose(TrackResult& result) noexcept;
   void filter_pose(TrackResult& result) noexcept;
@@ -114,6 +120,7 @@ struct HandTracker::Impl {
   OwnShape own_shape;
   Component component;
   Eigen::Vector2f centroid_px = Eigen::Vector2f::Zero();
+  Eigen::Vector2f seen_palm_px = Eigen::Vector2f::Zero();  // where it was last seen
   Eigen::Vector2f velocity_px_s = Eigen::Vector2f::Zero();
   double time_s = -std::numeric_limits<double>::infinity();
   double seen_s = 0;        // when the hand was last seen

@@ -20,7 +20,7 @@ bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
       found_again = candidate;
       return false;
     }
-    if (candidate.deviation > 0.9f * acquired_deviation) return false;
+    if (candidate.deviation > config.acquisition.takeover_share * acquired_deviation) return false;
   }
   go_to(candidate);
   // Found by another reading, the hand is in a light that what was learned does not tell about.

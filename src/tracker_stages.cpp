@@ -24,9 +24,9 @@ PixelRect HandTracker::Impl::region_of_interest(double dt_s) const noexcept {
 }
 
 /// The neighbourhood of where the hand is expected: leaves bins, and the last shape in them as it
-/// was and as it is expected to be now.
-bool HandTracker::Impl::read_neighbourhood(const ImageView& frame) noexcept {
-  const double dt = state == State::searching ? 0.0 : std::min(time_s - seen_s, 0.1);
+/// was and as it is expected to be now; `anew`, `shape` is of this frame.
+bool HandTracker::Impl::read_neighbourhood(const ImageView& frame, bool anew) noexcept {
+  const double dt = anew ? 0.0 : std::min(time_s - seen_s, 0.1);
   read_bins(frame, region_of_interest(dt), tracking_step(), bins);
   before = to_mask(shape);
   expected = before.transformed(
@@ -81,6 +81,23 @@ bool HandTracker::Impl::find_fingertips() noexcept {
 /// one; true when tips and valleys together are a hand's. Leaves `found`.
 bool HandTracker::Impl::match(bool anew) noexcept {
   promising = false;
+  int matched = assign_tips(anew);
+  if (matched < (anew ? kFingerCount : config.matching.min_tips) || !find_valleys()) return false;
+  tip_inferred.fill(false);
+  tip_doubt_px.fill(0);
+  if (!anew) matched -= judge_tips();
+  const HandShapeConfig limits = limits_of_belief();
+  const bool accepted = shape_model.fit(limits, found);
+  promising = found.deviation < config.search.max_deviation;
+  if (!accepted || (matched == kFingerCount && has_turned_over(limits))) return false;
+  place_what_was_missed();
+  if (!fills_region(found, stages.region.mask(), limits)) return false;
+  if (matched == kFingerCount) five_tips_s = time_s;
+  return time_s - five_tips_s <= config.acquisition.max_missing_tip_s;
+}
+
+/// The tips of `found` after those of `before`; how many are matched.
+int HandTracker::Impl::assign_tips(bool anew) noexcept {
   const auto tips = stages.curvature.tips();
   std::array<Eigen::Vector2f, CurvatureFinder::kMaxTips> candidates;
   for (std::size_t i = 0; i < tips.size(); ++i) candidates[i] = tips[i].at - component.centroid;
@@ -90,8 +107,9 @@ bool HandTracker::Impl::match(bool anew) noexcept {
            : Eigen::Vector2f((centroid_px - bins.origin_px()) / static_cast<float>(bins.step_px));
   std::array<Eigen::Vector2f, kFingerCount> previous;
   for (int f = 0; f < kFingerCount; ++f) previous[f] = before.tips[f] - centroid_before;
+  constexpr float kSpan = 4.5f;  // from thumb to little finger, in palm radii
   const float gate =
-      static_cast<float>(config.matching.max_displacement) * 4.5f * before.palm_radius();
+      static_cast<float>(config.matching.max_displacement) * kSpan * before.palm_radius();
   const TipAssignment assignment =
       match_tips(previous, {candidates.data(), tips.size()}, before.layout, gate);
 
@@ -104,64 +122,72 @@ bool HandTracker::Impl::match(bool anew) noexcept {
     found.tip_samples[f] = tips[assignment[f]].sample;
     ++matched;
   }
-  if (matched < (anew ? kFingerCount : config.matching.min_tips)) return false;
+  return matched;
+}
+
+/// The valleys of `found` between its tips. False when two fingers have none between them.
+bool HandTracker::Impl::find_valleys() noexcept {
+  const bool forward = found.layout == Layout::thumb_left;  // clockwise from finger k to k + 1
   for (int k = 0; k < kValleyCount; ++k) {
     found.valley_seen[k] = found.tip_seen[k] && found.tip_seen[k + 1];
     if (!found.valley_seen[k]) continue;
-    const bool forward = found.layout == Layout::thumb_left;  // clockwise from finger k to k + 1
     float depth = 0;
     const int at = stages.curvature.valley(found.tip_samples[forward ? k : k + 1],
                                            found.tip_samples[forward ? k + 1 : k], &depth);
-    if (depth < 0.25f * before.palm_radius()) return false;
+    if (depth < config.matching.min_valley_depth * before.palm_radius()) return false;
     found.valleys[k] = stages.curvature.samples()[at];
   }
-  // A finger that is suddenly longer or shorter runs on into what has the hand's colour, or is cut
-  // by a shadow. Far off, its tip was misread; less so, it tells less of the pose, unless it was
-  // drawn from the hand's own shape.
-  tip_inferred.fill(false);
-  tip_doubt_px.fill(0);
-  if (!anew) {
-    const OwnShape::OddTip odd = own_shape.odd_tip(found);
-    if (odd.off_m > config.shape.misread_m) {
-      found.tip_seen[odd.finger] = false;
-      --matched;
-    } else if (odd.finger >= 0 && !colorless) {
-      tip_doubt_px[odd.finger] = odd.off_m * odd.px_per_m;
-    }
-    for (int f = 0; f < kFingerCount; ++f)
-      tip_inferred[f] = !found.tip_seen[f] && own_shape.infer_tip(f, found);
-  }
+  return true;
+}
+
+/// A finger that is suddenly longer or shorter runs on into what has the hand's colour, or is cut
+/// by a shadow. Far off, its tip was misread; less so, it tells less of the pose, unless it was
+/// drawn from the hand's own shape. Returns how many tips were misread.
+int HandTracker::Impl::judge_tips() noexcept {
+  const OwnShape::OddTip odd = own_shape.odd_tip(found);
+  const bool misread = odd.off_m > config.shape.misread_m;
+  if (misread)
+    found.tip_seen[odd.finger] = false;
+  else if (odd.finger >= 0 && !colorless)
+    tip_doubt_px[odd.finger] = odd.off_m * odd.px_per_m;
+  for (int f = 0; f < kFingerCount; ++f)
+    tip_inferred[f] = !found.tip_seen[f] && own_shape.infer_tip(f, found);
+  return misread;
+}
+
+/// What counts as a hand here and now: with hysteresis once it is tracked.
+HandShapeConfig HandTracker::Impl::limits_of_belief() const noexcept {
   HandShapeConfig limits = config.shape;
   if (state == State::tracking || state == State::lost) {
-    limits.max_deviation *= 1.6;  // hysteresis
-    limits.min_aspect *= 0.6;
+    limits.max_deviation *= config.shape.tracked_deviation;
+    limits.min_aspect *= config.shape.tracked_aspect;
   } else {
-    limits.max_deviation *= following ? 1.25 : search.tolerance();
+    limits.max_deviation *= following ? config.shape.acquired_deviation : search.tolerance();
   }
   // Until its own shape is known, a hand that suddenly is less like one has grown together with
   // what it touches.
   if (!own_shape.is_known())
     limits.max_deviation = std::min(limits.max_deviation, before.deviation + config.shape.max_leap);
-  const bool accepted = shape_model.fit(limits, found);
-  promising = found.deviation < config.search.max_deviation;
-  if (!accepted) return false;
-  // A hand that has turned over meanwhile can pass for a distorted one of the old layout.
-  if (matched == kFingerCount) {
-    HandShape turned = found;
-    turned.layout = opposite(found.layout);
-    std::ranges::reverse(turned.tips);
-    std::ranges::reverse(turned.valleys);
-    if (shape_model.fit(limits, turned) && turned.deviation < 0.7f * found.deviation) return false;
-  }
-  // A tip that was missed stays where the shape puts it, for the next frame's matching.
+  return limits;
+}
+
+/// A hand that has turned over meanwhile can pass for a distorted one of the old layout.
+bool HandTracker::Impl::has_turned_over(const HandShapeConfig& limits) const noexcept {
+  HandShape turned = found;
+  turned.layout = opposite(found.layout);
+  std::ranges::reverse(turned.tips);
+  std::ranges::reverse(turned.valleys);
+  return shape_model.fit(limits, turned) &&
+         turned.deviation < config.shape.turned_over_share * found.deviation;
+}
+
+/// A tip or valley that was missed stays where the shape puts it, for the next frame's matching.
+void HandTracker::Impl::place_what_was_missed() noexcept {
   const Eigen::Vector2f moved = found.palm() - before.palm();
   for (int f = 0; f < kFingerCount; ++f)
     if (!found.tip_seen[f] && !tip_inferred[f]) found.tips[f] = before.tips[f] + moved;
   for (int k = 0; k < kValleyCount; ++k)
     if (!found.valley_seen[k]) found.valleys[k] = before.valleys[k] + moved;
-  if (!fills_region(found, stages.region.mask(), limits)) return false;
-  if (matched == kFingerCount) five_tips_s = time_s;
-  return time_s - five_tips_s <= config.acquisition.max_missing_tip_s;
 }
 
 /// Where each fingertip is, to a fraction of a pixel (paper 2.2).
@@ -187,19 +213,17 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
 /// Camera pose relative to the hand (paper 2.5). False when a measured hand cannot look like this.
 bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   HandObservation observation;
-  // By which share of a finger's width tips and valleys move from frame to frame when nothing does.
-  // The sharpest turn is one of the contour's samples, which lie apart.
-  const double tip_noise = config.fingertips.method == FingertipMethod::curvature ? 0.060 : 0.018;
-  constexpr double kValleyNoise = 0.025;
-  constexpr double kColorless = 3;  // times as far where an outline tells, which is rougher
+  const FingertipConfig& measured = config.fingertips;
+  const double tip_noise = measured.method == FingertipMethod::curvature ? measured.curvature_noise
+                                                                         : measured.ellipse_noise;
   const double finger_px =
-      bins.step_px * std::max(found.finger_width, 10.0f) * (colorless ? kColorless : 1);
+      bins.step_px * std::max(found.finger_width, 10.0f) * (colorless ? measured.outline_noise : 1);
   for (int f = 0; f < kFingerCount; ++f)
     observation.tips[f] = {result.tips[f].px,
                            std::hypot(tip_noise * finger_px, bins.step_px * tip_doubt_px[f]),
                            result.tips[f].seen};
   for (int k = 0; k < kValleyCount; ++k)
-    observation.valleys[k] = {result.valleys[k].px, kValleyNoise * finger_px,
+    observation.valleys[k] = {result.valleys[k].px, measured.valley_noise * finger_px,
                               result.valleys[k].seen};
   PosePrior prior;
   if (const auto predicted = filter.predict(time_s))

@@ -11,7 +11,7 @@
 
 namespace handyar {
 
-/// Smoothing by 1 2 1, so many times: the binomial weights of levels so far apart.
+/// `times` passes of smoothing by 1 2 1: weight[d] is that of a level d away, up to `reach`.
 struct BinSmoothing {
   static constexpr int kMostReach = 15;  // less than a channel's levels
   int reach;

@@ -16,7 +16,10 @@ namespace handyar {
 struct AcquisitionConfig {
   double confirm_s = 0.27;    ///< a new hand must be seen for this long (paper: 10 frames)
   double reconfirm_s = 0.06;  ///< the same after a hand was lost less than `remember_s` ago
-  int confirm_frames = 3;     ///< and in at least as many frames
+  int confirm_frames = 3;     ///< and in at least so many frames
+  int reconfirm_frames = 2;
+  double takeover_share = 0.9;  ///< another place must deviate less than this share of the hand
+                                ///< that is being acquired, to be acquired instead
   double remember_s = 3.0;
   double coast_s = 0.2;             ///< how long a lost hand is still looked for where it was
   double max_colorless_s = 2.0;     ///< how long edges alone will do, where colours do not tell

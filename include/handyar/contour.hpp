@@ -16,7 +16,8 @@ class Contour {
  public:
   void reserve(int max_points);
 
-  /// Follows the boundary (Moore neighbours). False when it is longer than there is room for.
+  /// Follows the boundary (Moore neighbours). False when it is longer than there is room for, or a
+  /// mere speck.
   bool trace(const Mask& mask, const Component& component) noexcept;
   /// The same for a mask of a single component; false when nothing is set, too.
   bool trace(const Mask& mask) noexcept;

@@ -19,15 +19,18 @@ enum class FingertipMethod : std::uint8_t {
 
 struct FingertipConfig {
   FingertipMethod method = FingertipMethod::ellipse;
-  /// Cosine between the two arms of the contour at a tip or valley, above which it counts (paper:
-  /// 0.5).
+  /// Cosine between the two arms of the contour at a tip, above which it counts (paper: 0.5).
   double min_cosine = 0.25;
   /// Shortest and longest arm in palm radii; a finger is about 0.42 palm radii wide.
   double min_arm = 0.5;
   double max_arm = 1.1;
+  /// By which share of a finger's width tips and valleys move from frame to frame when nothing
+  /// does. The sharpest turn is one of the contour's samples, which lie apart.
+  double ellipse_noise = 0.018, curvature_noise = 0.060, valley_noise = 0.025;
+  double outline_noise = 3;  ///< times as far where an outline tells, which is rougher
 };
 
-/// A place where the contour turns sharply: outwards at a fingertip, inwards at a valley.
+/// A place where the contour turns sharply outwards, as at a fingertip.
 struct Extremum {
   int sample = 0;                                ///< index into the resampled contour
   Eigen::Vector2f at = Eigen::Vector2f::Zero();  ///< mask pixels

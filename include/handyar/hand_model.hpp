@@ -88,11 +88,17 @@ inline constexpr double kTipRadius_m = 0.0035;
 /// So is the web between two fingers, from back to palm.
 inline constexpr double kWebRadius_m = 0.006;
 
+/// The sine below which a finger points at the eye and its outline has no end.
+inline constexpr double kEndOn = 0.2;
+
 /// Where the outline of a round end is as seen from `eye_m`, given where it is seen from straight
 /// above (`end_m`) and the unit direction in which the finger ends or the valley opens; all in one
 /// frame.
 Eigen::Vector3d outline_end_m(const Eigen::Vector3d& end_m, const Eigen::Vector3d& direction,
                               double radius_m, const Eigen::Vector3d& eye_m) noexcept;
+
+/// From the crease of the wrist to the tip of the middle finger, of average_adult_hand().
+inline constexpr double kAverageHandLength_m = 0.187;
 
 /// The average adult hand, fingers comfortably spread; the source of the figures stands with them
 /// in hand_model.cpp.

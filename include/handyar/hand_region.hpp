@@ -11,8 +11,8 @@
 
 namespace handyar {
 
-/// What a pixel's place says beforehand, for squares of `cell` pixels: added to its ratio (eighths
-/// of a nat). By default nothing.
+/// The prior of each pixel's place, for squares of `cell` pixels: added to its ratio (eighths of a
+/// nat). By default nothing.
 struct ExpectedRegion {
   static constexpr std::int8_t kInside = 1,
                                kOutside = -32;  ///< inside adds nothing; outside is no hand

@@ -19,11 +19,14 @@ namespace handyar {
 struct SkinSamples;
 
 struct HandSearchConfig {
-  int pixels = 320 * 240;         ///< to about as many frames are reduced
+  int pixels = 320 * 240;         ///< frames are reduced to about so many
   double min_area_share = 0.008;  ///< of the frame, for a region to be looked at
   double max_deviation = 1.7;     ///< as HandShapeConfig's, but only to be worth a closer look
   int readings_per_frame = 16;    ///< more find a hand sooner and cost more
-  int enough_views = 3;           ///< readings and outlines that agree on a hand: see tolerance()
+  int enough_views = 3;           ///< readings and outlines that agree on a hand
+  /// How far a hand that one, two, or enough of them show may deviate, times max_deviation: what is
+  /// none rarely looks like the same one to several.
+  std::array<double, 3> tolerance = {0.85, 1.0, 1.25};
   OutlineSearchConfig outlines;
 };
 
@@ -52,13 +55,12 @@ class HandSearch {
   /// For hands of which colours tell nothing.
   OutlineSearch& outlines() noexcept { return outlines_; }
 
-  /// What was found was found by the colours that the skin model has learned.
+  /// What was found was found by what the skin model takes for skin, not by another reading.
   bool found_by_skin() const noexcept { return found_by_skin_; }
 
-  /// How many times as far as others the hand that was found may deviate: what is none rarely looks
-  /// like the same one to several readings.
+  /// How many times max_deviation the hand that was found may deviate.
   double tolerance() const noexcept {
-    return agreeing_ >= config_.enough_views ? 1.25 : agreeing_ > 1 ? 1.0 : 0.85;
+    return config_.tolerance[agreeing_ >= config_.enough_views ? 2 : agreeing_ > 1 ? 1 : 0];
   }
 
   /// Where it was found: the image that was searched, which must still be there, or a part of it.

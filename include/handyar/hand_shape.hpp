@@ -25,10 +25,15 @@ struct HandShapeConfig {
   double min_palm_fill = 0.85;    ///< share of the palm disc that lies in the region
   double min_finger_fill = 0.75;  ///< share of a finger's stations that are as wide as a finger
   double max_raggedness = 1.35;  ///< length of the boundary of the fingers over its smoothed length
-  double max_leap = 0.35;        ///< how much more a hand may deviate than a frame before, until
-                                 ///< its own shape is known
-  double misread_m = 0.014;      ///< a tip further from its place on the hand was misread
-  double own_memory_s = 0.7;     ///< over which a tracked hand's own shape is averaged
+  double tracked_deviation = 1.6;    ///< times max_deviation, of a hand that is tracked or lost
+  double tracked_aspect = 0.6;       ///< times min_aspect, the same
+  double acquired_deviation = 1.25;  ///< times max_deviation, of one that is being acquired
+  double turned_over_share = 0.7;    ///< of its deviation: less, the other way round, is that
+  double max_leap = 0.35;     ///< how much more a hand may deviate than a frame before, until
+                              ///< its own shape is known
+  double misread_m = 0.014;   ///< a tip that much further than usual from where the others say
+                              ///< that it is was misread, see OwnShape::OddTip
+  double own_memory_s = 0.7;  ///< over which a tracked hand's own shape is averaged
   double own_deviation_share = 0.75;  ///< of max_deviation: frames below it are likely right,
                                       ///< and its own shape is learned from them
 };

@@ -13,6 +13,7 @@ namespace handyar {
 struct MatchingConfig {
   double max_displacement = 0.3;  ///< of a tip relative to the centroid, over the thumb-little span
   int min_tips = 4;               ///< fewer matched tips: no match
+  float min_valley_depth = 0.25f;  ///< between matched neighbours, in palm radii
 };
 
 /// Which candidate is which finger; -1 where none is.

@@ -16,7 +16,6 @@ class Illumination {
   /// Takes the next frame (8-bit BGR). The hand, when there is one, stands where the object does:
   /// its brightness tells sun from shade.
   void observe(const cv::Mat& frame_bgr, const HandMask& hand = {});
-  void reset() { *this = {}; }
 
   /// The frame at 32x24, linear light RGB floats: what a shiny surface mirrors.
   const cv::Mat& mirrored() const { return blurred_; }

@@ -312,8 +312,6 @@ int Renderer::add(const Model& model) {
   return static_cast<int>(impl_->models.size()) - 1;
 }
 
-void Renderer::reset_light() { impl_->light.reset(); }
-
 void Renderer::draw(cv::Mat& frame_bgr, const Camera& camera, std::span<const Instance> instances,
                     const HandOccluder& hand) {
   CV_Assert(frame_bgr.type() == CV_8UC3);

@@ -62,9 +62,6 @@ class Renderer {
   void draw(cv::Mat& frame_bgr, const Camera& camera, std::span<const Instance> instances,
             const HandOccluder& hand = {});
 
-  /// Forgets the light of the frames so far; for a cut to another scene.
-  void reset_light();
-
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
