@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cstring>
-#include <opencv2/aruco.hpp>
 #include <string>
 
 #include "clip.hpp"
+#include "handyar/opencv/aruco.hpp"
 #include "handyar/skin_model.hpp"
 
 namespace handyar::benchmarks {
@@ -113,16 +113,10 @@ void time_frames(benchmark::State& state, const Clip& film, const Function& func
 /// The marker in the same frames, corners refined, on one thread.
 void aruco(benchmark::State& state, const Clip& film) {
   cv::setNumThreads(1);
-  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50);
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
+  const int dictionary = *dictionary_number("DICT_4X4_50");
   std::int64_t found = 0;
-  time_frames(state, film, [&](const cv::Mat& frame) {
-    std::vector<std::vector<cv::Point2f>> corners;
-    std::vector<int> ids;
-    cv::aruco::detectMarkers(frame, dictionary, corners, ids, parameters);
-    found += !ids.empty();
-  });
+  time_frames(state, film,
+              [&](const cv::Mat& frame) { found += !detect_markers(frame, dictionary).empty(); });
   state.counters["found"] = static_cast<double>(found) / static_cast<double>(state.iterations());
 }
 

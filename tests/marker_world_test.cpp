@@ -6,6 +6,8 @@
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "handyar/opencv/aruco.hpp"
+
 namespace handyar::render {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "opencv_types.hpp"
+#include "handyar/opencv/types.hpp"
 
 namespace handyar {
 namespace {

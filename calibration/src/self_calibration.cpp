@@ -10,7 +10,7 @@
 
 #include "bundle.hpp"
 #include "handyar/calibration/camera_calibration.hpp"
-#include "opencv_types.hpp"
+#include "handyar/opencv/types.hpp"
 #include "text.hpp"
 
 namespace handyar {

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <opencv2/aruco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "handyar/opencv/aruco.hpp"
+#include "handyar/opencv/types.hpp"
 
 namespace handyar::render {
 namespace {
@@ -20,52 +22,12 @@ constexpr int kAverage = 40;       // frames that a learned place is the mean of
 constexpr double kMoved_px = 4.0;  // a marker this far from its place was moved
 constexpr int kMovedFrames = 10;
 
-std::vector<cv::Point3d> corners_m(double size_m) {
-  const double h = size_m / 2;
-  return {{-h, h, 0}, {h, h, 0}, {h, -h, 0}, {-h, -h, 0}};
-}
-
-std::map<int, Corners> detect(const cv::Mat& gray, int dictionary_number) {
-  std::vector<Corners> corners;
-  std::vector<int> ids;
-#if CV_VERSION_MAJOR > 4 || CV_VERSION_MINOR >= 7
-  cv::aruco::DetectorParameters parameters;
-  parameters.cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
-  const cv::aruco::ArucoDetector detector(cv::aruco::getPredefinedDictionary(dictionary_number),
-                                          parameters);
-  detector.detectMarkers(gray, corners, ids);
-#else
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
-  cv::aruco::detectMarkers(gray, cv::aruco::getPredefinedDictionary(dictionary_number), corners,
-                           ids, parameters);
-#endif
+std::map<int, Corners> detect(const cv::Mat& gray, int dictionary) {
   std::map<int, Corners> seen;
-  for (std::size_t i = 0; i < ids.size(); ++i) seen.emplace(ids[i], corners[i]);
+  for (SeenMarker& m : detect_markers(gray, dictionary))
+    seen.emplace(m.id, std::move(m.corners_px));
   return seen;
 }
-
-Isometry3d isometry(const cv::Mat& rotation_vector, const cv::Mat& translation) {
-  cv::Mat R;
-  cv::Rodrigues(rotation_vector, R);
-  Isometry3d T = Isometry3d::Identity();
-  Eigen::Matrix3d linear;
-  Eigen::Vector3d t;
-  cv::cv2eigen(R, linear);
-  cv::cv2eigen(translation, t);
-  T.linear() = linear;
-  T.translation() = t;
-  return T;
-}
-
-/// The camera as OpenCV wants it.
-struct Lens {
-  cv::Matx33d K;
-  std::vector<double> distortion;
-  explicit Lens(const Camera& c)
-      : K(c.fx_px, 0, c.cx_px, 0, c.fy_px, c.cy_px, 0, 0, 1),
-        distortion(c.distortion.begin(), c.distortion.end()) {}
-};
 
 /// Mean of poses, one after the other.
 struct MeanPose {
@@ -106,15 +68,14 @@ struct MarkerWorld::Impl {
       const int number = *dictionary_number(e.marker.dictionary);
       if (!seen.contains(number)) seen[number] = detect(gray, number);
     }
-    const Lens lens(camera);
     std::vector<View> views;
     for (Entry& e : entries) {
       const auto& of_kind = seen[*dictionary_number(e.marker.dictionary)];
       const auto it = of_kind.find(e.marker.id);
       if (it == of_kind.end()) continue;
       std::vector<cv::Mat> r, t;
-      cv::solvePnPGeneric(corners_m(e.marker.size_m), it->second, lens.K, lens.distortion, r, t,
-                          false, cv::SOLVEPNP_IPPE_SQUARE);
+      cv::solvePnPGeneric(marker_corners_m(e.marker.size_m), it->second, camera_matrix(camera),
+                          camera.distortion, r, t, false, cv::SOLVEPNP_IPPE_SQUARE);
       View view{&e, it->second, {}};
       for (std::size_t i = 0; i < r.size(); ++i)
         view.T_camera_marker.push_back(isometry(r[i], t[i]));
@@ -126,7 +87,7 @@ struct MarkerWorld::Impl {
   static double error_px(const View& view, const Isometry3d& T_camera_marker,
                          const Camera& camera) {
     double sum = 0;
-    const auto corners = corners_m(view.entry->marker.size_m);
+    const auto corners = marker_corners_m(view.entry->marker.size_m);
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const Eigen::Vector3d p =
           T_camera_marker * Eigen::Vector3d(corners[i].x, corners[i].y, corners[i].z);
@@ -156,18 +117,17 @@ struct MarkerWorld::Impl {
     std::vector<cv::Point3d> points_m;
     std::vector<cv::Point2d> points_px;
     for (const View* view : views) {
-      for (const cv::Point3d& c : corners_m(view->entry->marker.size_m)) {
+      for (const cv::Point3d& c : marker_corners_m(view->entry->marker.size_m)) {
         const Eigen::Vector3d p = view->entry->T_world_marker.T * Eigen::Vector3d(c.x, c.y, c.z);
         points_m.emplace_back(p.x(), p.y(), p.z());
       }
       points_px.insert(points_px.end(), view->corners_px.begin(), view->corners_px.end());
     }
-    const Lens lens(camera);
     cv::Mat R, r, t;
     cv::eigen2cv(Eigen::Matrix3d(T.linear()), R);
     cv::eigen2cv(Eigen::Vector3d(T.translation()), t);
     cv::Rodrigues(R, r);
-    cv::solvePnPRefineLM(points_m, points_px, lens.K, lens.distortion, r, t);
+    cv::solvePnPRefineLM(points_m, points_px, camera_matrix(camera), camera.distortion, r, t);
     return isometry(r, t);
   }
 

@@ -42,7 +42,4 @@ Scene read_scene(const std::string& path);
 /// The same from text; `path` stands for the file in messages and for its folder.
 Scene parse_scene(std::string_view text, const std::string& path);
 
-/// OpenCV's number of a marker dictionary, e.g. "DICT_4X4_50"; empty when it has none of that name.
-std::optional<int> dictionary_number(std::string_view name);
-
 }  // namespace handyar::render

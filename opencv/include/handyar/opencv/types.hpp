@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/core/affine.hpp>
 #include <opencv2/core/eigen.hpp>
 
