@@ -5,8 +5,10 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <opencv2/imgproc.hpp>
 #include <random>
 
+#include "handyar/calibration/board_sheet.hpp"
 #include "handyar/evaluation/accuracy.hpp"
 #include "handyar/evaluation/board_error.hpp"
 #include "handyar/evaluation/dynamics.hpp"
@@ -308,6 +310,48 @@ TEST(BoardError, FramesWithoutBoardOrThingHaveNone) {
   EXPECT_TRUE(std::isnan(errors[3]));
   EXPECT_TRUE(std::isnan(errors[7]));
   EXPECT_EQ(summarize(errors).n, 58);
+}
+
+/// The board before a grey wall.
+cv::Mat picture_of(const Board& board, const Camera& camera, const Eigen::Isometry3d& T) {
+  constexpr int kSquare_px = 40;
+  std::vector<cv::Point2f> sheet, picture;
+  for (const double x : {-1, board.columns})
+    for (const double y : {-1, board.rows}) {
+      // The sheet has a margin of a square; its corners lie between pixels.
+      sheet.emplace_back(float(kSquare_px * (x + 2) - 0.5), float(kSquare_px * (y + 2) - 0.5));
+      const Eigen::Vector2d px =
+          camera.project(T * Eigen::Vector3d(x * board.square_m, y * board.square_m, 0));
+      picture.emplace_back(float(px.x()), float(px.y()));
+    }
+  cv::Mat seen;
+  cv::warpPerspective(board_image(board, kSquare_px), seen,
+                      cv::getPerspectiveTransform(sheet, picture), {640, 480}, cv::INTER_AREA,
+                      cv::BORDER_CONSTANT, cv::Scalar(110));
+  return seen;
+}
+
+TEST(BoardFinder, TheFirstCornerStaysWhileTheBoardTurns) {
+  const Board board{8, 6, 0.02};
+  const Camera camera;
+  BoardFinder finder(board, camera);
+  std::vector<Eigen::Isometry3d> T_true_found;
+  int read_from_the_other_end = 0;
+  for (int degrees = 0; degrees <= 360; degrees += 20) {
+    const Eigen::Isometry3d T =
+        pose({0, 0, degrees * kRadians}, {0, 0, 0.35}) * Eigen::Translation3d(-board.centre_m());
+    const cv::Mat picture = picture_of(board, camera, T);
+    const std::optional<BoardView> view = finder.find(picture);
+    ASSERT_TRUE(view) << degrees;
+    T_true_found.push_back(T.inverse() * view->T_camera_board);
+    EXPECT_LT(angle_between(T_true_found.back().linear(), T_true_found[0].linear()), kRadians)
+        << degrees;
+    EXPECT_LT(rms_distance_px(project_board(board, camera, view->T_camera_board), view->corners_px),
+              0.3);
+    const cv::Point2f first = find_board(picture, board).front();
+    read_from_the_other_end += (Eigen::Vector2d(first.x, first.y) - view->corners_px[0]).norm() > 5;
+  }
+  EXPECT_GT(read_from_the_other_end, 0) << "or the test shows nothing";
 }
 
 TEST(Csv, FieldsAndNumbersKeepTheirMeaning) {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -51,17 +50,13 @@ SequenceOptions sequence_options(const Evaluation& e) {
   SequenceOptions o = e.options;
   if (!e.skin_file.empty()) o.skin = io::read_skin(e.skin_file);
   if (!e.board.empty()) {
-    Board board;
-    char end = 0;
-    if (std::sscanf(e.board.c_str(), "%dx%d%c", &board.columns, &board.rows, &end) != 2 ||
-        board.columns < 2 || board.rows < 2)
-      throw WrongUsage("--board: not COLUMNSxROWS of inner corners: " + e.board);
+    const auto grid = parse_grid(e.board);
+    if (!grid) throw WrongUsage("--board " + e.board + " is not like 8x6, from 3x3 to 50x50");
     if (e.square_mm <= 0) throw WrongUsage("--board needs --square-mm");
-    board.square_m = e.square_mm * 1e-3;
-    o.board = board;
+    o.board = Board{grid->width, grid->height, e.square_mm * 1e-3};
   }
   if (e.aruco_mm > 0) o.aruco = Marker{e.aruco_dictionary, -1, e.aruco_mm * 1e-3};
-  if (e.apriltag_mm > 0) o.apriltag = Marker{"DICT_APRILTAG_36h11", -1, e.apriltag_mm * 1e-3};
+  if (e.apriltag_mm > 0) o.apriltag = Marker{kAprilTagDictionary, -1, e.apriltag_mm * 1e-3};
   return o;
 }
 

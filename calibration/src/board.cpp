@@ -32,6 +32,13 @@ Eigen::Vector3d Board::centre_m() const {
   return {(columns - 1) * square_m / 2, (rows - 1) * square_m / 2, 0};
 }
 
+Eigen::Isometry3d Board::half_turn() const {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear().diagonal() << -1, -1, 1;
+  T.translation() = 2 * centre_m();
+  return T;
+}
+
 std::optional<cv::Size> parse_grid(const std::string& text) {
   int columns = 0, rows = 0, used = 0;
   if (std::sscanf(text.c_str(), "%2dx%2d%n", &columns, &rows, &used) != 2) return {};

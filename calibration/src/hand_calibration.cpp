@@ -26,9 +26,6 @@ struct Sights {
 // The hand lies on one side and tells.
 void agree_on_first_corner(Sights& sights, std::span<const CalibrationView> views,
                            const Camera& camera, const Board& board) {
-  Eigen::Isometry3d half_turn = Eigen::Isometry3d::Identity();
-  half_turn.linear().diagonal() << -1, -1, 1;
-  half_turn.translation() = 2 * board.centre_m();
   Eigen::Vector3d side = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < sights.views.size(); ++i) {
     Eigen::Vector3d towards_hand = -board.centre_m();
@@ -37,7 +34,7 @@ void agree_on_first_corner(Sights& sights, std::span<const CalibrationView> view
                       kFingerCount;
     towards_hand.z() = 0;
     if (side.dot(towards_hand) < 0) {
-      sights.T_camera_board[i] = sights.T_camera_board[i] * half_turn;
+      sights.T_camera_board[i] = sights.T_camera_board[i] * board.half_turn();
       towards_hand = -towards_hand;
     }
     side += towards_hand;

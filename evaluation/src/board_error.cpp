@@ -23,8 +23,8 @@ double rms_distance_px(std::span<const Eigen::Vector2d> a, std::span<const Eigen
 std::vector<Eigen::Vector2d> project_board(const Board& board, const Camera& camera,
                                            const Eigen::Isometry3d& T_camera_board) {
   std::vector<Eigen::Vector2d> px;
-  for (const Eigen::Vector3d& p : board.corners_m())
-    px.push_back(camera.project(T_camera_board * p));
+  for (const cv::Point3f& p : board.corners_m())
+    px.push_back(camera.project(T_camera_board * Eigen::Vector3d(p.x, p.y, p.z)));
   return px;
 }
 

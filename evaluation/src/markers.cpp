@@ -5,78 +5,46 @@
 #include <apriltag/apriltag_pose.h>
 #include <apriltag/tag36h11.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <map>
-#include <opencv2/aruco.hpp>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/core/affine.hpp>
-#include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+
+#include "handyar/evaluation/rigid.hpp"
+#include "handyar/opencv/aruco.hpp"
+#include "handyar/opencv/types.hpp"
 
 namespace handyar::evaluation {
 namespace {
 
-cv::Matx33d matrix_of(const Camera& c) {
-  return {c.fx_px, 0, c.cx_px, 0, c.fy_px, c.cy_px, 0, 0, 1};
-}
-
-Eigen::Isometry3d isometry(const cv::Vec3d& rotation, const cv::Vec3d& translation) {
-  Eigen::Isometry3d T;
-  cv::cv2eigen(cv::Affine3d(rotation, translation).matrix, T.matrix());
-  return T;
-}
-
-const std::map<std::string, cv::aruco::PREDEFINED_DICTIONARY_NAME> kDictionaries = {
-    {"DICT_4X4_50", cv::aruco::DICT_4X4_50},
-    {"DICT_4X4_100", cv::aruco::DICT_4X4_100},
-    {"DICT_4X4_250", cv::aruco::DICT_4X4_250},
-    {"DICT_5X5_50", cv::aruco::DICT_5X5_50},
-    {"DICT_5X5_100", cv::aruco::DICT_5X5_100},
-    {"DICT_5X5_250", cv::aruco::DICT_5X5_250},
-    {"DICT_6X6_50", cv::aruco::DICT_6X6_50},
-    {"DICT_6X6_100", cv::aruco::DICT_6X6_100},
-    {"DICT_6X6_250", cv::aruco::DICT_6X6_250},
-    {"DICT_7X7_50", cv::aruco::DICT_7X7_50},
-    {"DICT_7X7_100", cv::aruco::DICT_7X7_100},
-    {"DICT_7X7_250", cv::aruco::DICT_7X7_250},
-    {"DICT_ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL}};
-
 class ArucoFinder final : public MarkerFinder {
  public:
   explicit ArucoFinder(const Marker& marker) : marker_(marker) {
-    const auto known = kDictionaries.find(marker.dictionary);
-    if (known == kDictionaries.end())
-      throw std::invalid_argument("no such marker dictionary: " + marker.dictionary);
-    dictionary_ = cv::aruco::getPredefinedDictionary(known->second);
-    parameters_ = cv::aruco::DetectorParameters::create();
-    parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
+    const std::optional<int> number = dictionary_number(marker.dictionary);
+    if (!number) throw std::invalid_argument("no such marker dictionary: " + marker.dictionary);
+    dictionary_ = *number;
   }
 
   std::optional<Eigen::Isometry3d> find(const cv::Mat& gray, const Camera& camera) override {
-    cv::aruco::detectMarkers(gray, dictionary_, corners_, ids_, parameters_);
+    const std::vector<SeenMarker> markers = detect_markers(gray, dictionary_);
     const std::vector<cv::Point2f>* seen = nullptr;
-    for (std::size_t i = 0; i < ids_.size(); ++i)
-      if (marker_.id == ids_[i] ||
-          (marker_.id < 0 && (!seen || cv::contourArea(corners_[i]) > cv::contourArea(*seen))))
-        seen = &corners_[i];
+    for (const SeenMarker& m : markers)
+      if (marker_.id == m.id ||
+          (marker_.id < 0 && (!seen || cv::contourArea(m.corners_px) > cv::contourArea(*seen))))
+        seen = &m.corners_px;
     if (!seen) return std::nullopt;
-    const double h = marker_.size_m / 2;
-    const std::array<cv::Point3d, 4> square = {{{-h, h, 0}, {h, h, 0}, {h, -h, 0}, {-h, -h, 0}}};
     cv::Vec3d r, t;
-    if (!cv::solvePnP(square, *seen, matrix_of(camera), camera.distortion, r, t, false,
-                      cv::SOLVEPNP_IPPE_SQUARE))
+    if (!cv::solvePnP(marker_corners_m(marker_.size_m), *seen, camera_matrix(camera),
+                      camera.distortion, r, t, false, cv::SOLVEPNP_IPPE_SQUARE))
       return std::nullopt;
     return isometry(r, t);
   }
 
  private:
   Marker marker_;
-  cv::Ptr<cv::aruco::Dictionary> dictionary_;
-  cv::Ptr<cv::aruco::DetectorParameters> parameters_;
-  std::vector<std::vector<cv::Point2f>> corners_;
-  std::vector<int> ids_;
+  int dictionary_;
 };
 
 class AprilTagFinder final : public MarkerFinder {
@@ -152,35 +120,32 @@ class AprilTagFinder final : public MarkerFinder {
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> Board::corners_m() const {
-  std::vector<Eigen::Vector3d> corners;
-  for (int y = 0; y < rows; ++y)
-    for (int x = 0; x < columns; ++x) corners.emplace_back(x * square_m, y * square_m, 0);
-  return corners;
-}
+BoardFinder::BoardFinder(const Board& board, const Camera& camera)
+    : board_(board), camera_(camera) {}
 
-std::optional<BoardView> find_board(const cv::Mat& gray, const Board& board, const Camera& camera) {
-  std::vector<cv::Point2f> corners;
-  if (!cv::findChessboardCorners(
-          gray, {board.columns, board.rows}, corners,
-          cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK))
-    return std::nullopt;
-  cv::cornerSubPix(gray, corners, {5, 5}, {-1, -1},
-                   {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.01});
-  std::vector<cv::Point3d> points;
-  for (const Eigen::Vector3d& p : board.corners_m()) points.emplace_back(p.x(), p.y(), p.z());
-  cv::Vec3d r, t;
-  if (!cv::solvePnP(points, corners, matrix_of(camera), camera.distortion, r, t))
-    return std::nullopt;
-  BoardView view;
-  view.T_camera_board = isometry(r, t);
+std::optional<BoardView> BoardFinder::find(const cv::Mat& picture) {
+  std::vector<cv::Point2f> corners = find_board(picture, board_);
+  if (corners.empty()) return std::nullopt;
+  Eigen::Isometry3d T = board_pose(corners, board_, camera_);
+  if (last_ && (board_.columns - board_.rows) % 2 == 0) {
+    const Eigen::Isometry3d turned = T * board_.half_turn();
+    const auto turn_since_last = [&](const Eigen::Isometry3d& now) {
+      return angle_between(last_->linear(), now.linear());
+    };
+    if (turn_since_last(turned) < turn_since_last(T)) {
+      T = turned;
+      std::reverse(corners.begin(), corners.end());
+    }
+  }
+  last_ = T;
+  BoardView view{{}, T};
   for (const cv::Point2f& c : corners) view.corners_px.emplace_back(c.x, c.y);
   return view;
 }
 
 std::vector<std::string> aruco_dictionaries() {
-  std::vector<std::string> names;
-  for (const auto& [name, dictionary] : kDictionaries) names.push_back(name);
+  std::vector<std::string> names = dictionary_names();
+  std::erase_if(names, [](const std::string& name) { return Marker{name}.is_apriltag(); });
   return names;
 }
 

@@ -72,6 +72,7 @@ class Session {
  public:
   explicit Session(const Sequence& sequence) {
     recording_.sequence = sequence;
+    if (sequence.board) board_.emplace(*sequence.board, sequence.camera);
     for (const bool half : {false, true}) {
       for (const Method& method : kMethods) {
         trackers_.push_back(make_tracker(sequence, method, half));
@@ -96,9 +97,7 @@ class Session {
     recording_.contours_px.emplace_back(contour.begin(), contour.end());
     for (MarkerPass& pass : markers_) pass.process(frame.bgr, s.camera);
     recording_.board_views.emplace_back();
-    if (!s.board) return;
-    cv::cvtColor(frame.bgr, gray_, cv::COLOR_BGR2GRAY);
-    recording_.board_views.back() = find_board(gray_, *s.board, s.camera);
+    if (board_) recording_.board_views.back() = board_->find(frame.bgr);
   }
 
   Recording take() {
@@ -112,7 +111,7 @@ class Session {
   Recording recording_;
   std::vector<HandTracker> trackers_;
   std::vector<MarkerPass> markers_;
-  cv::Mat gray_;
+  std::optional<BoardFinder> board_;
 };
 
 }  // namespace

@@ -25,6 +25,8 @@ struct Board {
   std::vector<cv::Point3f> corners_m() const;
   /// Middle of the inner corners in the board frame (metres).
   Eigen::Vector3d centre_m() const;
+  /// The board turned about its centre by half a turn: the last inner corner becomes the first.
+  Eigen::Isometry3d half_turn() const;
 };
 
 /// "8x6" as columns and rows, each from 3 to 50; empty when the text says something else.

@@ -9,19 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "handyar/calibration/board.hpp"
 #include "handyar/camera.hpp"
 
 namespace handyar::evaluation {
 
-/// A printed checkerboard. Board frame: origin at the first inner corner, x along the rows, y along
-/// the columns, z into the board.
-struct Board {
-  int columns = 8, rows = 6;  ///< inner corners
-  double square_m = 0.025;
-
-  /// Inner corners in the board frame, row by row (metres).
-  std::vector<Eigen::Vector3d> corners_m() const;
-};
+/// The family that make_apriltag_finder looks for, by OpenCV's name.
+inline constexpr const char* kAprilTagDictionary = "DICT_APRILTAG_36h11";
 
 /// A printed square marker. Marker frame: origin at the centre, x right, y up, z out of the print.
 struct Marker {
@@ -38,8 +32,19 @@ struct BoardView {
   Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
 };
 
-/// The board in a grey picture, corners refined to sub-pixel; empty when it is not seen whole.
-std::optional<BoardView> find_board(const cv::Mat& gray, const Board& board, const Camera& camera);
+/// Finds a board frame by frame. Most boards look the same after half a turn: of the two poses the
+/// one nearest to the last is taken, so that the board keeps its first corner.
+class BoardFinder {
+ public:
+  BoardFinder(const Board& board, const Camera& camera);
+  /// Empty when the board is not seen whole in the picture, grey or BGR.
+  std::optional<BoardView> find(const cv::Mat& picture);
+
+ private:
+  Board board_;
+  Camera camera_;
+  std::optional<Eigen::Isometry3d> last_;  ///< T_camera_board
+};
 
 /// A marker system used as the yardstick: detection and pose, one thread.
 class MarkerFinder {
@@ -49,7 +54,7 @@ class MarkerFinder {
   virtual std::optional<Eigen::Isometry3d> find(const cv::Mat& gray, const Camera& camera) = 0;
 };
 
-/// Names of the dictionaries that make_aruco_finder knows.
+/// Names of the dictionaries of ArUco (AprilTag has a finder of its own).
 std::vector<std::string> aruco_dictionaries();
 
 /// OpenCV's ArUco with corners refined to sub-pixel and the square's own closed-form pose.

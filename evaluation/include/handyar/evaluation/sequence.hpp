@@ -30,7 +30,7 @@ struct Sequence {
   std::optional<Truth> truth;
   std::optional<Board> board;
   Marker aruco{"DICT_4X4_50", -1, 0.08};
-  Marker apriltag{"DICT_APRILTAG_36h11", -1, 0.06};
+  Marker apriltag{kAprilTagDictionary, -1, 0.06};
   bool marker_sizes_known = false;  ///< else a metre of a marker's pose is a guess
 };
 
