@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 #include <regex>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "handyar/evaluation/report.hpp"
@@ -201,3 +202,32 @@ TEST(Truth, AFileThatIsNoneIsRefusedInOneLine) {
 
 }  // namespace
 }  // namespace handyar::evaluation
+TEST(Truth, WhatCannotBeMeasuredAgainstIsRefused) {
+  const TemporaryFolder folder;
+  using nlohmann::json;
+  const json shipped_truth = json::parse(text_of(shipped("compare") + "/truth.json"));
+  const auto complaint = [&](auto change) -> std::string {
+    json truth = shipped_truth;
+    change(truth);
+    std::ofstream(folder / "truth.json") << truth;
+    try {
+      read_truth(folder / "truth.json");
+    } catch (const io::Error& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(has(complaint([](json& j) { j["frames"] = json::array(); }), "no frames"));
+  EXPECT_TRUE(has(complaint([](json& j) { j["frames"] = nullptr; }), "no frames"));
+  EXPECT_TRUE(has(complaint([](json& j) { j["K"][0][0] = 0; }), "focal length"));
+  EXPECT_TRUE(has(complaint([](json& j) { j["fps"] = 0; }), "fps"));
+  EXPECT_TRUE(has(complaint([](json& j) { j["board"]["inner_corners"] = {1, 6}; }), "1x6"));
+  EXPECT_TRUE(has(complaint([](json& j) { j["markers"][0]["dict"] = "DICT_9X9"; }), "DICT_9X9"));
+  EXPECT_TRUE(has(complaint([](json& j) { j["markers"][0]["size_mm"] = 0; }), "size"));
+  EXPECT_EQ(complaint([](json& j) { j["markers"][0]["dict"] = "DICT_4X4_1000"; }), "");
+  EXPECT_FALSE(has(complaint([](json& j) { j.erase("K"); }), "json.exception"));
+}
+

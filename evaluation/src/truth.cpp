@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "handyar/io/error.hpp"
+#include "handyar/opencv/aruco.hpp"
 
 namespace handyar::evaluation {
 namespace {
@@ -46,10 +47,34 @@ Camera camera(const json& j) {
   c.fy_px = K(1, 1);
   c.cx_px = K(0, 2);
   c.cy_px = K(1, 2);
+  if (!(c.fx_px > 0 && c.fy_px > 0)) throw std::runtime_error("K has no focal length");
   if (j.contains("dist"))
     for (std::size_t i = 0; i < c.distortion.size() && i < j["dist"].size(); ++i)
       c.distortion[i] = j["dist"][i];
   return c;
+}
+
+/// A length in millimetres, in metres.
+double length_m(const json& j) {
+  const double mm = j.get<double>();
+  if (!(mm > 0)) throw std::runtime_error("a print's size is not positive");
+  return mm * kMetresPerMillimetre;
+}
+
+Board board(const json& j) {
+  const Board b{j.at("inner_corners").at(0), j.at("inner_corners").at(1),
+                length_m(j.at("square_mm"))};
+  const std::string corners = std::to_string(b.columns) + "x" + std::to_string(b.rows);
+  if (!parse_grid(corners))
+    throw std::runtime_error("inner_corners, " + corners + ", are not from 3x3 to 50x50");
+  return b;
+}
+
+Marker marker(const json& j) {
+  const Marker m{j.at("dict"), j.at("id"), length_m(j.at("size_mm"))};
+  if (m.is_apriltag() ? m.dictionary != kAprilTagDictionary : !dictionary_number(m.dictionary))
+    throw std::runtime_error("markers of " + m.dictionary + " are not known");
+  return m;
 }
 
 HandModel hand(const json& j) {
@@ -90,16 +115,15 @@ Truth parse(const json& j) {
   t.camera = camera(j);
   t.hand = hand(j);
   t.frames_per_second = j.value("fps", 30.0);
+  if (!(t.frames_per_second > 0)) throw std::runtime_error("fps is not positive");
   t.hand_still_in_world = j.value("static_hand", false);
   if (j.contains("board") && !j["board"].is_null()) {
     const json& b = j["board"];
-    t.board = Board{b.at("inner_corners").at(0), b.at("inner_corners").at(1),
-                    b.at("square_mm").get<double>() * kMetresPerMillimetre};
+    t.board = board(b);
     t.T_world_board = transform(b, "board_to_world");
   }
   for (const json& m : j.value("markers", json::array())) {
-    t.markers.push_back({m.at("dict").get<std::string>(), m.at("id").get<int>(),
-                         m.at("size_mm").get<double>() * kMetresPerMillimetre});
+    t.markers.push_back(marker(m));
     t.T_world_marker.push_back(transform(m, "marker_to_world"));
   }
   for (const json& f : j.at("frames")) {
@@ -107,6 +131,7 @@ Truth parse(const json& j) {
       throw std::runtime_error("frame " + std::to_string(t.frames.size()) + " is missing");
     t.frames.push_back(frame(f));
   }
+  if (t.frames.empty()) throw std::runtime_error("it has no frames");
   return t;
 }
 
@@ -123,7 +148,10 @@ Truth read_truth(const std::filesystem::path& file) {
   try {
     return parse(json::parse(in));
   } catch (const std::exception& e) {
-    throw io::Error(file.string(), std::string("not a sequence's truth: ") + e.what());
+    // "[json.exception.parse_error.101] parse error at ...": the code is for programmers
+    std::string what = e.what();
+    if (what.starts_with("[json.")) what.erase(0, what.find("] ") + 2);
+    throw io::Error(file.string(), "not a sequence's truth: " + what);
   }
 }
 
