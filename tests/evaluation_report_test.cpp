@@ -3,12 +3,13 @@
 // report that comes of it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <regex>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 
 #include "handyar/evaluation/report.hpp"
@@ -156,7 +157,10 @@ TEST(Report, AClipOfWhichNothingIsKnownSaysSo) {
   r.sequence = open_sequence(shipped("compare") + "/video.mp4", {});
   r.sequence.name = "own <clip>";
   r.tracks.push_back({"ellipse", false, std::vector<TrackResult>(10)});
-  for (int i = 0; i < 10; ++i) r.time_s.push_back(i / 30.0);
+  for (int i = 0; i < 10; ++i) {
+    r.frame_index.push_back(2 * i);  // every other picture of a series is missing
+    r.time_s.push_back(2 * i / 30.0);
+  }
   r.contours_px.resize(10);
   r.board_views.resize(10);
   const Analysis a = analyse(r);
@@ -166,6 +170,18 @@ TEST(Report, AClipOfWhichNothingIsKnownSaysSo) {
   EXPECT_NE(page.find("What cannot be said"), std::string::npos);
   EXPECT_NE(page.find("own &lt;clip&gt;"), std::string::npos);
   EXPECT_EQ(page.find("Table 3"), std::string::npos);
+  EXPECT_EQ(lines_of(folder / "report/poses/own <clip>.csv").back().rfind("18,", 0), 0u);
+  EXPECT_EQ(lines_of(folder / "report/errors.csv").back().rfind("own <clip>,18,", 0), 0u);
+}
+
+TEST(Report, FramesThatTruthDoesNotKnowAreNoted) {
+  const TemporaryFolder folder;
+  Recording r = compare_sequence().recording;
+  r.sequence.truth->frames.resize(60);
+  const auto notes = write_report(folder / "report", {"handyar evaluate", "0"}, {analyse(r)}, {});
+  EXPECT_EQ(std::count(notes.begin(), notes.end(),
+                       "compare: truth.json knows 60 of 90 frames; the others are not judged"),
+            1);
 }
 
 TEST(Report, StillsAreJudgedByTheSpan) {
@@ -200,8 +216,6 @@ TEST(Truth, AFileThatIsNoneIsRefusedInOneLine) {
   }
 }
 
-}  // namespace
-}  // namespace handyar::evaluation
 TEST(Truth, WhatCannotBeMeasuredAgainstIsRefused) {
   const TemporaryFolder folder;
   using nlohmann::json;
@@ -231,3 +245,5 @@ TEST(Truth, WhatCannotBeMeasuredAgainstIsRefused) {
   EXPECT_FALSE(has(complaint([](json& j) { j.erase("K"); }), "json.exception"));
 }
 
+}  // namespace
+}  // namespace handyar::evaluation

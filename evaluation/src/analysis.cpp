@@ -192,7 +192,8 @@ void write_errors_csv(const std::string& file, const std::vector<Analysis>& anal
       text += "\n";
     }
     for (std::size_t i = 0; i < c.states.size(); ++i) {
-      text += csv_field(a.recording.sequence.name) + "," + std::to_string(i) + "," + c.states[i];
+      text += csv_field(a.recording.sequence.name) + "," +
+              std::to_string(a.recording.frame_index[i]) + "," + c.states[i];
       for (const std::vector<double>& v : c.values) text += "," + csv_number(v[i]);
       text += "\n";
     }

@@ -44,7 +44,8 @@ double badness(const Analysis& a, std::size_t i) {
 
 std::string caption(const Analysis& a, std::size_t i) {
   const TrackResult& r = a.recording.main_track().results[i];
-  std::string text = "frame " + std::to_string(i) + ": " + std::string(name(r.state));
+  std::string text =
+      "frame " + std::to_string(a.recording.frame_index[i]) + ": " + std::string(name(r.state));
   char more[96] = "";
   if (a.has_truth() && a.main_track().errors[i].tracked) {
     const FrameError& e = a.main_track().errors[i];

@@ -85,6 +85,7 @@ class Session {
 
   void process(const io::Frame& frame) {
     const Sequence& s = recording_.sequence;
+    recording_.frame_index.push_back(frame.index);
     recording_.time_s.push_back(frame.time_s);
     for (std::size_t i = 0; i < trackers_.size(); ++i) {
       const TrackResult result = trackers_[i].process(frame.view(), frame.time_s);
@@ -115,12 +116,6 @@ class Session {
 };
 
 }  // namespace
-
-const Track* Recording::find_track(const std::string& method, bool half_resolution) const {
-  for (const Track& t : tracks)
-    if (t.method == method && t.half_resolution == half_resolution) return &t;
-  return nullptr;
-}
 
 const MarkerTrack* Recording::find_marker(const std::string& system, bool half_resolution) const {
   for (const MarkerTrack& m : markers)

@@ -2,6 +2,7 @@
 #include "handyar/evaluation/report.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "figure8.hpp"
@@ -108,8 +109,18 @@ std::string page_with(const std::string& body) {
 void write_poses(const std::string& folder, const Analysis& a) {
   io::PoseCsvWriter poses((fs::path(folder) / (a.recording.sequence.name + ".csv")).string());
   const std::vector<TrackResult>& results = a.recording.main_track().results;
-  for (std::size_t i = 0; i < results.size(); ++i) poses.write(std::int64_t(i), results[i]);
+  for (std::size_t i = 0; i < results.size(); ++i)
+    poses.write(a.recording.frame_index[i], results[i]);
   poses.finish();
+}
+
+std::optional<std::string> shorter_truth(const Analysis& a) {
+  if (!a.has_truth()) return std::nullopt;
+  const std::size_t known = a.recording.sequence.truth->frames.size();
+  const std::size_t frames = a.recording.main_track().results.size();
+  if (known >= frames) return std::nullopt;
+  return a.recording.sequence.name + ": truth.json knows " + std::to_string(known) + " of " +
+         std::to_string(frames) + " frames; the others are not judged";
 }
 
 }  // namespace
@@ -141,6 +152,7 @@ std::vector<std::string> write_report(const std::string& folder, const RunDescri
     if (analyses.size() > 1) body += tables.add(table1({&a, 1}, a.recording.sequence.name));
     body += "</details>\n";
     write_poses(in_folder("poses"), a);
+    if (const auto note = shorter_truth(a)) notes.push_back(*note);
     if (a.has_board() &&
         !draw_figure8(a, in_folder("figure8-" + a.recording.sequence.name + ".png")))
       notes.push_back("gnuplot could not be run: no PNG of Figure 8 for " +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -35,6 +36,7 @@ struct MarkerTrack {
 struct Recording {
   Sequence sequence;
   double frames_per_second = 30;
+  std::vector<std::int64_t> frame_index;  ///< in the video; a series of pictures may have gaps
   std::vector<double> time_s;
   std::vector<Track> tracks;  ///< the first is the default setting at full resolution
   std::vector<MarkerTrack> markers;
@@ -43,7 +45,6 @@ struct Recording {
   std::string broken_off;  ///< why the video ended early; empty: it did not
 
   const Track& main_track() const { return tracks.front(); }
-  const Track* find_track(const std::string& method, bool half_resolution) const;
   const MarkerTrack* find_marker(const std::string& system, bool half_resolution) const;
 };
 
