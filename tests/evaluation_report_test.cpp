@@ -184,11 +184,48 @@ TEST(Report, FramesThatTruthDoesNotKnowAreNoted) {
             1);
 }
 
-TEST(Report, StillsAreJudgedByTheSpan) {
+/// What is said against a list of one photograph with these tips, the picture being this file.
+std::string complaint_about_stills(const TemporaryFolder& folder, const std::string& row,
+                                   const std::string& picture) {
+  std::ofstream(folder / "a.ppm", std::ios::binary) << picture;
+  std::ofstream(folder / "list.csv") << "\xEF\xBB\xBF"  // as spreadsheets begin a file
+                                        "file,thumb_x,thumb_y,index_x,index_y,middle_x,middle_y,"
+                                        "ring_x,ring_y,little_x,little_y\n\n"
+                                     << row << "\n";
+  try {
+    track_stills(read_stills(folder / "list.csv"));
+  } catch (const io::Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Stills, WhatCannotBeJudgedIsRefusedInOneLine) {
+  const TemporaryFolder folder;
+  const std::string tips = "50,30,20,40,10,50,20,60,40";
+  const std::string picture = "P6\n64 48\n255\n" + std::string(64 * 48 * 3, '\0');
+  const auto complaint = [&](const std::string& row, const std::string& content) {
+    return complaint_about_stills(folder, row, content);
+  };
+  EXPECT_EQ(complaint("a.ppm,10," + tips, picture), "");
+  for (const char* number : {"", "1e999", "1e308", "nan", "10 px"})
+    EXPECT_EQ(complaint("a.ppm," + std::string(number) + "," + tips, picture),
+              folder / "list.csv" + ": line 3: thumb_x is not a pixel: \"" + number + "\"");
+  EXPECT_NE(complaint("a.ppm,60,40,20,40,10,50,20,60,60,40", picture).find("line 3: thumb and"),
+            std::string::npos);
+  EXPECT_NE(complaint("b.ppm,10," + tips, picture).find("b.ppm: there is no such picture"),
+            std::string::npos);
+  EXPECT_EQ(complaint("a.ppm,10," + tips, ""),
+            folder / "a.ppm" + ": is not a picture that can be read");
+  EXPECT_EQ(complaint("a.ppm,10," + tips, "P6\n5000 1\n255\n" + std::string(15000, '\0')),
+            folder / "a.ppm" + ": 5000x1 pixels: too narrow");
+}
+
+TEST(Stills, AreJudgedByTheSpan) {
   const TemporaryFolder folder;
   std::ofstream(folder / "list.csv") << "file,thumb_x\n";
-  EXPECT_THROW(track_stills(folder / "list.csv"), io::Error) << "no pictures";
-  EXPECT_THROW(track_stills(folder / "missing.csv"), io::Error);
+  EXPECT_THROW(read_stills(folder / "list.csv"), io::Error) << "no pictures";
+  EXPECT_THROW(read_stills(folder / "missing.csv"), io::Error);
   std::vector<StillResult> results;
   for (const auto outcome : {StillResult::Outcome::right, StillResult::Outcome::right,
                              StillResult::Outcome::wrong, StillResult::Outcome::not_found}) {

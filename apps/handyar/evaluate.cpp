@@ -15,6 +15,7 @@ namespace handyar::cli {
 namespace {
 
 using namespace handyar::evaluation;
+namespace fs = std::filesystem;
 
 constexpr const char* kExamples =
     "A SEQUENCE is a video file, or a folder with video.mp4 and, where there are such, "
@@ -60,30 +61,64 @@ SequenceOptions sequence_options(const Evaluation& e) {
   return o;
 }
 
+/// The list of photographs may lie where the report comes, but not under a name that it needs.
+void require_not_written_over(const Evaluation& e) {
+  if (e.stills.empty()) return;
+  std::error_code ignored;
+  for (const char* table : {"errors.csv", "stills.csv", "tables.csv"})
+    if (fs::weakly_canonical(e.stills, ignored) ==
+        fs::weakly_canonical(fs::path(e.report) / table, ignored))
+      throw WrongUsage("--stills " + e.stills + ": the report would be written over it");
+}
+
+/// The report's folder, gone again when nothing came into it.
+class ReportFolder {
+ public:
+  explicit ReportFolder(const std::string& path) : path_(path) {
+    std::error_code fault;
+    made_ = fs::create_directories(path_, fault);
+    if (fault) throw io::Error(path, "cannot be written to: " + fault.message());
+    const io::PendingFile probe((path_ / "report.html").string());
+  }
+  ~ReportFolder() {
+    std::error_code ignored;
+    if (made_) fs::remove(path_, ignored);  // only an empty one can be
+  }
+  ReportFolder(const ReportFolder&) = delete;
+  ReportFolder& operator=(const ReportFolder&) = delete;
+
+ private:
+  fs::path path_;
+  bool made_ = false;
+};
+
 int evaluate(const Evaluation& e) {
   if (e.sequences.empty() && e.stills.empty())
     throw WrongUsage("nothing to evaluate: give a SEQUENCE or --stills");
+  if (e.report.empty()) throw WrongUsage("--report: the folder's name is empty");
+  require_not_written_over(e);
+  // What goes in is known to be good before anything is made, and all that before the long work.
   const SequenceOptions options = sequence_options(e);
-  std::error_code fault;
-  std::filesystem::create_directories(e.report, fault);
-  if (fault) throw io::Error(e.report, "cannot be written to: " + fault.message());
-  // Known before the long work, not after it.
-  { const io::PendingFile probe((std::filesystem::path(e.report) / "report.html").string()); }
+  const std::vector<Sequence> sequences = open_sequences(e.sequences, options);
+  const std::vector<Still> photographs =
+      e.stills.empty() ? std::vector<Still>() : read_stills(e.stills);
+  const ReportFolder folder(e.report);
 
   std::vector<Analysis> analyses;
-  for (const Sequence& s : open_sequences(e.sequences, options)) {
+  for (const Sequence& s : sequences) {
     ProgressLine line(s.name + ": ");
     analyses.push_back(analyse(record(s, [&](int done, int of) { line.show(done, of); })));
   }
   std::vector<StillResult> stills;
-  if (!e.stills.empty()) {
+  if (!photographs.empty()) {
     ProgressLine line("stills: ");
-    stills = track_stills(e.stills, options.skin, [&](int done, int of) { line.show(done, of); });
+    stills =
+        track_stills(photographs, options.skin, [&](int done, int of) { line.show(done, of); });
   }
   const RunDescription run{command_line(), HANDYAR_VERSION};
   for (const std::string& note : write_report(e.report, run, analyses, stills))
     std::cerr << "handyar: " << note << '\n';
-  std::cout << (std::filesystem::path(e.report) / "report.html").string() << '\n';
+  std::cout << (fs::path(e.report) / "report.html").string() << '\n';
 
   // What could be read of a broken video is in the report; it is a failure all the same.
   int code = kDone;
@@ -102,7 +137,10 @@ Command add_evaluate(CLI::App& app) {
       "evaluate", "Measure speed and accuracy against markers and truth, as a report");
   const auto e = std::make_shared<Evaluation>();
   options->add_option("SEQUENCE", e->sequences, "Videos or folders with video.mp4");
-  options->add_option("--report", e->report, "Folder for report.html, tables.csv, errors.csv")
+  options
+      ->add_option("--report", e->report,
+                   "Folder for report.html, tables.csv and .md, errors.csv, stills.csv, poses/, "
+                   "figure8-*.png")
       ->required();
   options->add_option("--camera", e->options.camera_file, "Camera file (YAML) for all of them");
   options->add_option("--hand", e->options.hand_file, "Hand file (JSON) for all of them");

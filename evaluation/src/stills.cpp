@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/evaluation/stills.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -23,8 +26,15 @@ constexpr int kWidth_px = 640, kHeight_px = 480, kFrames = 25;
 constexpr double kFramesPerSecond = 30;
 constexpr double kNoiseSigma = 2.3;  ///< grey levels: a good camera indoors
 constexpr double kRightOfSpan = 0.2;
+constexpr double kFarthest_px = 1e6;  ///< no annotation lies beyond
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-using Row = std::map<std::string, std::string>;
+using Tips = std::array<Eigen::Vector2d, kFingerCount>;
+
+struct Row {
+  std::size_t line;
+  std::map<std::string, std::string> fields;
+};
 
 std::vector<std::string> split(const std::string& line) {
   std::vector<std::string> fields(1);
@@ -44,29 +54,103 @@ std::vector<Row> read_rows(const std::string& list) {
   std::ifstream in(list);
   std::string line;
   if (!in || !std::getline(in, line)) throw io::Error(list, "cannot be read");
+  if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
   const std::vector<std::string> header = split(line);
   std::vector<Row> rows;
-  while (std::getline(in, line)) {
-    if (line.empty()) continue;
+  for (std::size_t number = 2; std::getline(in, line); ++number) {
+    if (line.empty() || line == "\r") continue;
     const std::vector<std::string> fields = split(line);
     if (fields.size() != header.size())
-      throw io::Error(list, "line " + std::to_string(rows.size() + 2) + " has " +
+      throw io::Error(list, "line " + std::to_string(number) + " has " +
                                 std::to_string(fields.size()) + " fields, the header " +
                                 std::to_string(header.size()));
     Row& row = rows.emplace_back();
-    for (std::size_t i = 0; i < header.size(); ++i) row[header[i]] = fields[i];
+    row.line = number;
+    for (std::size_t i = 0; i < header.size(); ++i) row.fields[header[i]] = fields[i];
   }
+  if (rows.empty()) throw io::Error(list, "names no picture");
   return rows;
 }
 
-double number(const std::string& list, const Row& row, const std::string& column) {
-  const auto field = row.find(column);
-  if (field == row.end()) throw io::Error(list, "has no column " + column);
-  double value = 0;
-  const char* end = field->second.data() + field->second.size();
-  if (std::from_chars(field->second.data(), end, value).ptr != end || !std::isfinite(value))
-    throw io::Error(list, column + " of " + row.at("file") + " is not a number");
-  return value;
+/// The rows of a list as what they mean.
+class Reader {
+ public:
+  explicit Reader(const std::string& list) : list_(list), folder_(fs::path(list).parent_path()) {}
+
+  Still read(const Row& row) const {
+    Still s;
+    s.file = field(row, "file");
+    s.picture = (folder_ / s.file).string();
+    std::error_code ignored;
+    if (!fs::is_regular_file(s.picture, ignored))
+      throw io::Error(s.picture, "there is no such picture; " + list_ + ", line " +
+                                     std::to_string(row.line) + ", names it");
+    if (const auto tone = row.fields.find("skin_tone"); tone != row.fields.end())
+      s.skin_tone = tone->second;
+    for (std::size_t i = 0; i < s.tips_px.size(); ++i) {
+      const std::string finger(kFingerNames[i]);
+      s.tips_px[i] = {pixel(row, finger + "_x"), pixel(row, finger + "_y")};
+    }
+    if ((s.tips_px.front() - s.tips_px.back()).norm() < 1)
+      fail(row, "thumb and little finger are at the same place");
+    return s;
+  }
+
+ private:
+  [[noreturn]] void fail(const Row& row, const std::string& fault) const {
+    throw io::Error(list_, "line " + std::to_string(row.line) + ": " + fault);
+  }
+
+  const std::string& field(const Row& row, const std::string& column) const {
+    const auto at = row.fields.find(column);
+    if (at == row.fields.end()) throw io::Error(list_, "has no column " + column);
+    return at->second;
+  }
+
+  double pixel(const Row& row, const std::string& column) const {
+    const std::string& text = field(row, column);
+    double value = 0;
+    const char* end = text.data() + text.size();
+    const auto [stop, fault] = std::from_chars(text.data(), end, value);
+    if (fault != std::errc() || stop != end || !(std::abs(value) <= kFarthest_px))
+      fail(row, column + " is not a pixel: \"" + text + "\"");
+    return value;
+  }
+
+  std::string list_;
+  fs::path folder_;
+};
+
+/// libpng and libjpeg complain on standard error directly; no setting of OpenCV's stops that.
+class QuietStandardError {
+ public:
+  QuietStandardError() : saved_(::dup(STDERR_FILENO)) {
+    const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (saved_ >= 0 && null >= 0) ::dup2(null, STDERR_FILENO);
+    if (null >= 0) ::close(null);
+  }
+  ~QuietStandardError() {
+    if (saved_ < 0) return;
+    ::dup2(saved_, STDERR_FILENO);
+    ::close(saved_);
+  }
+  QuietStandardError(const QuietStandardError&) = delete;
+  QuietStandardError& operator=(const QuietStandardError&) = delete;
+
+ private:
+  int saved_;
+};
+
+/// In the pixels as stored, whatever turn the file notes: the annotations are in these.
+cv::Mat read_picture(const std::string& path) {
+  cv::Mat picture;
+  try {
+    const QuietStandardError quiet;
+    picture = cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+  }
+  if (picture.empty()) throw io::Error(path, "is not a picture that can be read");
+  return picture;
 }
 
 /// The picture in the middle of a black frame, and where its pixels went.
@@ -76,17 +160,19 @@ struct Letterbox {
   int left_px, top_px;
 };
 
-Letterbox letterbox(const cv::Mat& picture) {
+Letterbox letterbox(const Still& still) {
+  const cv::Mat picture = read_picture(still.picture);
   const double s = std::min(double(kWidth_px) / picture.cols, double(kHeight_px) / picture.rows);
   const int width = int(picture.cols * s) / 2 * 2, height = int(picture.rows * s) / 2 * 2;
+  if (width == 0 || height == 0)
+    throw io::Error(still.picture, std::to_string(picture.cols) + "x" +
+                                       std::to_string(picture.rows) + " pixels: too narrow");
   Letterbox box{cv::Mat::zeros(kHeight_px, kWidth_px, CV_8UC3), double(width) / picture.cols,
                 double(height) / picture.rows, (kWidth_px - width) / 2, (kHeight_px - height) / 2};
   const cv::Rect inside(box.left_px, box.top_px, width, height);
   cv::resize(picture, box.frame(inside), inside.size(), 0, 0, cv::INTER_AREA);
   return box;
 }
-
-using Tips = std::array<Eigen::Vector2d, kFingerCount>;
 
 /// The last five tips that the tracker gives on the held picture.
 std::optional<Tips> hold_and_track(const cv::Mat& still, const Config& config, cv::RNG& random) {
@@ -108,21 +194,18 @@ std::optional<Tips> hold_and_track(const cv::Mat& still, const Config& config, c
   return found;
 }
 
-StillResult judge(const std::string& list, const Row& row, const cv::Mat& picture,
-                  const Config& config, std::uint64_t seed) {
+StillResult judge(const Still& still, const Config& config, std::uint64_t seed) {
   StillResult result;
   result.outcome = StillResult::Outcome::not_found;
-  result.file = row.at("file");
-  result.source = result.file.substr(0, result.file.find('_'));
-  if (const auto tone = row.find("skin_tone"); tone != row.end()) result.skin_tone = tone->second;
+  result.file = still.file;
+  result.source = still.file.substr(0, still.file.find('_'));
+  result.skin_tone = still.skin_tone;
 
-  const Letterbox box = letterbox(picture);
+  const Letterbox box = letterbox(still);
   Tips truth;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    const std::string finger(kFingerNames[i]);
-    truth[i] = {number(list, row, finger + "_x") * box.scale_x + box.left_px,
-                number(list, row, finger + "_y") * box.scale_y + box.top_px};
-  }
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    truth[i] = {still.tips_px[i].x() * box.scale_x + box.left_px,
+                still.tips_px[i].y() * box.scale_y + box.top_px};
   cv::RNG random(seed);
   const std::optional<Tips> tips = hold_and_track(box.frame, config, random);
   if (!tips) return result;
@@ -172,22 +255,22 @@ const char* words(StillResult::Outcome outcome) {
 
 }  // namespace
 
-std::vector<StillResult> track_stills(const std::string& list, const SkinColors& skin,
+std::vector<Still> read_stills(const std::string& list) {
+  const Reader reader(list);
+  std::vector<Still> stills;
+  for (const Row& row : read_rows(list)) stills.push_back(reader.read(row));
+  return stills;
+}
+
+std::vector<StillResult> track_stills(const std::vector<Still>& stills, const SkinColors& skin,
                                       const Progress& progress) {
   Config config;
   config.skin.personal = skin;
-  const fs::path folder = fs::path(list).parent_path();
-  const std::vector<Row> rows = read_rows(list);
   std::vector<StillResult> results;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!rows[i].contains("file")) throw io::Error(list, "has no column file");
-    // The annotations are in the pixels as stored, whatever turn the file notes.
-    const cv::Mat picture = cv::imread((folder / rows[i].at("file")).string(),
-                                       cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-    if (!picture.empty()) results.push_back(judge(list, rows[i], picture, config, i + 1));
-    if (progress) progress(int(i) + 1, int(rows.size()));
+  for (std::size_t i = 0; i < stills.size(); ++i) {
+    results.push_back(judge(stills[i], config, i + 1));
+    if (progress) progress(int(i) + 1, int(stills.size()));
   }
-  if (results.empty()) throw io::Error(list, "none of its pictures can be read");
   return results;
 }
 

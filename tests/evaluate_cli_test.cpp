@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// `handyar evaluate` as its users meet it when something is wrong: one line, and nothing left.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace fs = std::filesystem;
+
+namespace handyar {
+namespace {
+
+const std::string kVideo = std::string(HANDYAR_DATA_DIR) + "/compare/video.mp4";
+const std::string kHeader =
+    "file,thumb_x,thumb_y,index_x,index_y,middle_x,middle_y,ring_x,ring_y,little_x,little_y\n";
+const std::string kTips = "10,50,30,20,40,10,50,20,60,40";
+
+class EvaluateCli : public testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = fs::path(testing::TempDir()) /
+            (std::string("handyar_evaluate_") +
+             testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(root_);
+    fs::create_directories(root_);
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  std::string file(const std::string& name) const { return (root_ / name).string(); }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(file(name), std::ios::binary) << text;
+    return file(name);
+  }
+  static std::string contents(const std::string& path) {
+    std::ostringstream text;
+    text << std::ifstream(path, std::ios::binary).rdbuf();
+    return text.str();
+  }
+
+  /// A line on standard error that tells `fault`, and no report.
+  void expect_refused(const std::string& arguments, int code, const std::string& fault) const {
+    const int status = std::system(("'" HANDYAR_PROGRAM "' evaluate " + arguments + " >" +
+                                    file("stdout") + " 2>" + file("stderr") + " </dev/null")
+                                       .c_str());
+    const std::string err = contents(file("stderr"));
+    EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, code) << err;
+    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+    EXPECT_NE(err.find(fault), std::string::npos) << err;
+    EXPECT_FALSE(fs::exists(file("report")));
+  }
+
+  fs::path root_;
+};
+
+TEST_F(EvaluateCli, AFaultyInputLeavesNoReport) {
+  const std::string report = " --report " + file("report");
+  expect_refused(file("no.mp4") + report, 1, "no.mp4: no such file");
+  expect_refused("--stills " + file("no.csv") + report, 1, "no.csv: cannot be read");
+  write("broken.png", "\x89PNG\r\n\x1a\n and no more");
+  const std::string list = write("list.csv", kHeader + "broken.png," + kTips + "\n");
+  expect_refused("--stills " + list + report, 1, "broken.png: is not a picture");
+}
+
+TEST_F(EvaluateCli, OptionsThatCannotBeAreWrongUsage) {
+  expect_refused(kVideo + " --report ''", 2, "--report");
+  for (const char* board : {"8x60000", "8", "2x6", "8x6 "})
+    expect_refused(kVideo + " --square-mm 20 --board '" + board + "' --report " + file("report"), 2,
+                   "is not like 8x6");
+}
+
+TEST_F(EvaluateCli, TheListOfStillsIsNotWrittenOver) {
+  const std::string list = write("stills.csv", kHeader + "a.jpg," + kTips + "\n");
+  const std::string before = contents(list);
+  expect_refused("--stills " + list + " --report " + file("."), 2, "stills.csv");
+  EXPECT_EQ(contents(list), before);
+}
+
+}  // namespace
+}  // namespace handyar
