@@ -61,16 +61,6 @@ SequenceOptions sequence_options(const Evaluation& e) {
   return o;
 }
 
-/// The list of photographs may lie where the report comes, but not under a name that it needs.
-void require_not_written_over(const Evaluation& e) {
-  if (e.stills.empty()) return;
-  std::error_code ignored;
-  for (const char* table : {"errors.csv", "stills.csv", "tables.csv"})
-    if (fs::weakly_canonical(e.stills, ignored) ==
-        fs::weakly_canonical(fs::path(e.report) / table, ignored))
-      throw WrongUsage("--stills " + e.stills + ": the report would be written over it");
-}
-
 /// The report's folder, gone again when nothing came into it.
 class ReportFolder {
  public:
@@ -96,7 +86,10 @@ int evaluate(const Evaluation& e) {
   if (e.sequences.empty() && e.stills.empty())
     throw WrongUsage("nothing to evaluate: give a SEQUENCE or --stills");
   if (e.report.empty()) throw WrongUsage("--report: the folder's name is empty");
-  require_not_written_over(e);
+  const fs::path report = e.report;
+  require_distinct_files({e.stills, e.skin_file, e.options.camera_file, e.options.hand_file},
+                         {report / "report.html", report / "errors.csv", report / "stills.csv",
+                          report / "tables.csv"});
   // What goes in is known to be good before anything is made, and all that before the long work.
   const SequenceOptions options = sequence_options(e);
   const std::vector<Sequence> sequences = open_sequences(e.sequences, options);
@@ -146,15 +139,14 @@ Command add_evaluate(CLI::App& app) {
   options->add_option("--hand", e->options.hand_file, "Hand file (JSON) for all of them");
   options->add_option("--skin", e->skin_file, kSkinHelp);
   options->add_option("--board", e->board, "Checkerboard in view, inner corners, e.g. 8x6");
-  options->add_option("--square-mm", e->square_mm, "Side of its squares")
-      ->check(CLI::PositiveNumber);
+  options->add_option("--square-mm", e->square_mm, "Side of its squares")->check(between(1, 10000));
   options->add_option("--aruco-mm", e->aruco_mm, "Side of an ArUco marker in view")
-      ->check(CLI::PositiveNumber);
+      ->check(between(1, 10000));
   options->add_option("--aruco-dictionary", e->aruco_dictionary, "Its dictionary")
       ->check(CLI::IsMember(aruco_dictionaries()))
       ->capture_default_str();
   options->add_option("--apriltag-mm", e->apriltag_mm, "Side of an AprilTag (36h11) in view")
-      ->check(CLI::PositiveNumber);
+      ->check(between(1, 10000));
   options->add_option("--stills", e->stills, "List of photographs with their fingertips (CSV)");
   options->footer(kExamples);
   return {options, [e] { return evaluate(*e); }};
