@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Files and inputs of handyar::io: what is written is read back, what is wrong is named.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <atomic>
 #include <clocale>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -380,6 +383,24 @@ TEST_F(IoTest, OutputsThatCannotBeWrittenAreNamed) {
   EXPECT_EQ(files(), 0u);
 }
 
+// Files of this process end at a size, as they would on a full disk.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &limit_);
+    const rlimit small{bytes, limit_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &small);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &limit_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  void (*handler_)(int);
+  rlimit limit_{};
+};
+
 class VideoTest : public IoTest, public testing::WithParamInterface<const char*> {};
 
 TEST_P(VideoTest, VideoIsReadBackAsWritten) {
@@ -400,6 +421,22 @@ TEST_P(VideoTest, VideoIsReadBackAsWritten) {
   }
   EXPECT_EQ(count, 12);
   EXPECT_EQ(frame.view().stride_bytes, 480);
+}
+
+TEST_P(VideoTest, VideoThatCannotBeWrittenWholeIsNotKept) {
+  const std::string name = path(std::string("v") + GetParam());
+  write_video(name, 50);
+  const auto size = fs::file_size(name);
+  fs::remove(name);
+  for (const auto bytes : {size * 9 / 10, size / 2, size / 10, size * 0}) {
+    const std::string fault = fault_of([&] {
+      const FullDisk disk(bytes);
+      write_video(name, 50);
+    });
+    EXPECT_EQ(fault.rfind(name + ": cannot be written", 0), 0u) << bytes << fault;
+    EXPECT_EQ(fault.find("encoder"), std::string::npos) << bytes;
+    EXPECT_EQ(files(), 0u) << bytes;
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Containers, VideoTest, testing::Values(".mp4", ".mkv", ".avi", ".mov"),
                          [](const auto& param) { return std::string(param.param + 1); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -16,6 +17,9 @@ std::unique_ptr<FrameSource> open_camera(const std::string& device);
 bool is_picture(const std::string& path);
 /// Whether the file name holds a %d or %0Nd.
 bool is_picture_pattern(const std::string& path);
+
+/// How many frames a video file holds up to the first that cannot be found, without decoding any.
+std::int64_t count_packets(const std::string& path);
 
 /// Throws Error when HandTracker does not take such frames.
 void require_usable(const Frame& frame, const std::string& name);

@@ -143,6 +143,17 @@ class VideoSource final : public FrameSource {
 
 }  // namespace
 
+std::int64_t count_packets(const std::string& path) {
+  std::int64_t count = 0;
+  try {
+    cv::VideoCapture capture(path, cv::CAP_FFMPEG);
+    capture.set(cv::CAP_PROP_FORMAT, -1);  // packets as they are
+    while (capture.grab()) ++count;
+  } catch (const cv::Exception&) {
+  }
+  return count;
+}
+
 std::unique_ptr<FrameSource> open_video(const std::string& path) {
   return std::make_unique<VideoSource>(path);
 }

@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <vector>
 
+#include "container.hpp"
 #include "handyar/io/error.hpp"
 #include "sources.hpp"
 
@@ -27,6 +31,16 @@ std::vector<int> codecs_for(const std::string& path) {
   throw Error(path, "its name must end in .mp4, .mov, .mkv or .avi");
 }
 
+// OpenCV says of no write whether it succeeded. What hinders one now most likely hindered it
+// before.
+std::string reason_against_writing(const std::string& path) {
+  errno = 0;
+  std::ofstream stream(path, std::ios::binary | std::ios::app);
+  stream << std::string(1 << 16, '\0') << std::flush;
+  if (stream) return "";
+  return errno != 0 ? std::string(": ") + std::strerror(errno) : ": unknown reason";
+}
+
 }  // namespace
 
 VideoWriter::VideoWriter(const std::string& path, int width_px, int height_px, double fps)
@@ -40,18 +54,25 @@ VideoWriter::VideoWriter(const std::string& path, int width_px, int height_px, d
     } catch (const cv::Exception&) {
     }
   }
+  if (const std::string reason = reason_against_writing(file_.path()); !reason.empty()) {
+    throw Error(path, "cannot be written" + reason);
+  }
   throw Error(path, "no video encoder for " + std::to_string(width_px) + "x" +
                         std::to_string(height_px) + " pixels was found");
 }
 
-void VideoWriter::write(const cv::Mat& bgr) { writer_.write(bgr); }
+void VideoWriter::write(const cv::Mat& bgr) {
+  writer_.write(bgr);
+  ++frames_;
+}
 
 void VideoWriter::finish() {
   writer_.release();
   std::error_code fault;
   if (std::filesystem::is_regular_file(file_.path(), fault) &&
-      std::filesystem::file_size(file_.path(), fault) == 0) {
-    throw Error(file_.target(), "the video could not be written");
+      (std::filesystem::file_size(file_.path(), fault) == 0 || is_cut_short(file_.path()) ||
+       count_packets(file_.path()) < frames_)) {
+    throw Error(file_.target(), "cannot be written whole" + reason_against_writing(file_.path()));
   }
   file_.commit();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <opencv2/videoio.hpp>
 #include <string>
@@ -17,11 +18,13 @@ class VideoWriter {
 
   /// `bgr` has the size given at the beginning.
   void write(const cv::Mat& bgr);
+  /// Reads the file back before it takes its name: a full disk is found only so.
   void finish();
 
  private:
   PendingFile file_;
   cv::VideoWriter writer_;
+  std::int64_t frames_ = 0;
 };
 
 }  // namespace handyar::io
