@@ -474,6 +474,23 @@ TEST_F(IoTest, TimesOfAVideoWithVaryingRateAreItsOwn) {
   }
 }
 
+TEST_F(IoTest, TimesGoOnAfterALongPause) {
+  // 20 frames at 30 Hz, 15 s of nothing, then 10 more
+  const auto source = open_input(std::string(HANDYAR_TEST_DATA_DIR) + "/pause.mp4");
+  const std::vector<double> times = times_of(*source);
+  ASSERT_EQ(times.size(), 30u);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    EXPECT_NEAR(times[i], static_cast<double>(i) / 30 + (i < 20 ? 0 : 15), 0.001) << i;
+  }
+}
+
+// Its index lists 60 frames, of which the first 33 are only there to decode the others.
+TEST_F(IoTest, VideoThatWasCutWithoutLossIsWhole) {
+  const auto source = open_input(std::string(HANDYAR_TEST_DATA_DIR) + "/cut.mp4");
+  EXPECT_EQ(source->info().frame_count, 60);
+  EXPECT_EQ(times_of(*source).size(), 27u);
+}
+
 TEST_F(IoTest, VideoThatBreaksOffGivesItsFramesAndSaysHowMany) {
   for (const char* ending : {".avi", ".mkv"}) {
     const std::string name = path(std::string("v") + ending);

@@ -12,11 +12,12 @@ namespace {
 
 constexpr double kDefaultFps = 30.0;
 constexpr double kMaxFps = 1000.0;
-constexpr double kMaxStep_s = 10.0;  // a longer pause between frames is a broken time stamp
+constexpr double kPause_s = 1.0;    // a step this long is no measure for the next
+constexpr int kMaxFailures = 1000;  // in a row: the count of frames may promise any number
 
 // The container's time stamps for as long as they increase. Some containers have none, and OpenCV
 // loses those of the frames that the decoder still holds at the end: from the first bad one each
-// frame follows the one before by the last step known.
+// frame follows the one before by the last step known that was no pause.
 class FrameClock {
  public:
   explicit FrameClock(double fps) : step_s_(1.0 / fps) {}
@@ -29,8 +30,8 @@ class FrameClock {
       return 0.0;
     }
     const double step_s = container_s - start_s_ - time_s_;
-    trusted_ = trusted_ && step_s > 1e-6 && step_s < kMaxStep_s;
-    if (trusted_) step_s_ = step_s;
+    trusted_ = trusted_ && step_s > 1e-6 && std::isfinite(step_s);
+    if (trusted_ && step_s < kPause_s) step_s_ = step_s;
     time_s_ = trusted_ ? container_s - start_s_ : time_s_ + step_s_;
     return time_s_;
   }
