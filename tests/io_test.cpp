@@ -521,6 +521,28 @@ TEST_F(IoTest, VideoThatBreaksOffGivesItsFramesAndSaysHowMany) {
             sample + ": breaks off: " + std::to_string(count) + " of 200 frames could be read");
 }
 
+// Zeros in the middle of what was written.
+void damage(const std::string& path) {
+  std::string bytes = read_text(path);
+  std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() * 45 / 100),
+              bytes.size() / 10, '\0');
+  write_text(path, bytes);
+}
+
+TEST_F(IoTest, DamagedVideoGivesItsSoundFramesAndSaysHowMany) {
+  const std::string name = path("v.mp4");
+  write_video(name, 60);
+  damage(name);
+  const auto source = open_input(name);
+  int count = 0;
+  const std::string fault = fault_of([&] {
+    for (Frame frame; source->read(frame);) ++count;
+  });
+  EXPECT_GT(count, 40);
+  EXPECT_LT(count, 60);
+  EXPECT_EQ(fault, name + ": is damaged: " + std::to_string(count) + " of 60 frames could be read");
+}
+
 TEST_F(IoTest, PicturesAreReadInTheOrderOfTheirNumbers) {
   for (const int number : {8, 9, 10, 12}) {
     cv::imwrite(path("p" + std::to_string(number) + ".png"),

@@ -45,8 +45,10 @@ std::uint64_t little_endian(std::string_view bytes) {
   return big_endian(std::string(bytes.rbegin(), bytes.rend()));
 }
 
+bool is_mp4(std::string_view head) { return head.size() == 12 && head.substr(4, 4) == "ftyp"; }
+
 // ISO 14496-12: boxes one after the other, each with its length in front.
-bool mp4_cut_short(Bytes& file) {
+bool mp4_cut_short(Bytes& file, bool& fragmented) {
   bool has_index = false;
   for (std::uint64_t at = 0; at < file.size();) {
     const std::string head = file.read(at, 16);
@@ -54,6 +56,7 @@ bool mp4_cut_short(Bytes& file) {
     std::uint64_t length = big_endian(std::string_view(head).substr(0, 4));
     if (length == 1 && head.size() == 16) length = big_endian(std::string_view(head).substr(8, 8));
     has_index |= head.compare(4, 4, "moov") == 0;
+    fragmented |= head.compare(4, 4, "moof") == 0;
     if (length == 0) break;  // to the end of the file, whatever that is
     if (length < 8) return false;
     if (length > file.size() - at) return true;
@@ -108,12 +111,19 @@ bool is_cut_short(const std::string& path) {
   Bytes file(path);
   const std::string head = file.read(0, 12);
   if (head.size() < 12) return false;
-  if (head.compare(4, 4, "ftyp") == 0) return mp4_cut_short(file);
+  bool fragmented = false;
+  if (is_mp4(head)) return mp4_cut_short(file, fragmented);
   if (head.compare(0, 4, "RIFF") == 0 && head.compare(8, 4, "AVI ") == 0) {
     return avi_cut_short(file);
   }
   if (head.compare(0, 4, "\x1a\x45\xdf\xa3") == 0) return matroska_cut_short(file);
   return false;
+}
+
+bool indexes_every_frame(const std::string& path) {
+  Bytes file(path);
+  bool fragmented = false;
+  return is_mp4(file.read(0, 12)) && !mp4_cut_short(file, fragmented) && !fragmented;
 }
 
 bool looks_like_text(const std::string& path) {

@@ -10,6 +10,9 @@ namespace handyar::io {
 /// AVI and Matroska, and after a lossless cut an MP4 counts frames that are not to be shown.
 bool is_cut_short(const std::string& path);
 
+/// True for an MP4 or MOV whose one index lists every frame: one that cannot be found is lost.
+bool indexes_every_frame(const std::string& path);
+
 /// True when the file begins like text: FFmpeg would show it as a picture of its letters, or follow
 /// the addresses in a play list.
 bool looks_like_text(const std::string& path);

@@ -89,7 +89,8 @@ class VideoSource final : public FrameSource {
 
     // The first frame is read here: only then is it certain that there is one, and its size.
     if (!decode(ahead_)) {
-      throw Error(path, cut_short_ ? breaks_off() : "no frame in it could be read");
+      throw Error(path,
+                  cut_short_ ? "breaks off: " + frames_read() : "no frame in it could be read");
     }
     require_usable(ahead_, path);
     info_.width_px = ahead_.bgr.cols;
@@ -106,7 +107,8 @@ class VideoSource final : public FrameSource {
       return true;
     }
     if (!decode(frame)) {
-      if (cut_short_) throw Error(info_.name, breaks_off());
+      if (cut_short_) throw Error(info_.name, "breaks off: " + frames_read());
+      if (is_damaged()) throw Error(info_.name, "is damaged: " + frames_read());
       return false;
     }
     require_same_size(frame, info_);
@@ -114,20 +116,37 @@ class VideoSource final : public FrameSource {
   }
 
  private:
-  bool decode(Frame& frame) {
+  bool read_next(cv::Mat& bgr) {
     try {
-      if (!capture_.read(frame.bgr) || frame.bgr.empty()) return false;
+      return capture_.read(bgr) && !bgr.empty();
     } catch (const cv::Exception&) {
       throw Error(info_.name, "frame " + std::to_string(decoded_) + " cannot be decoded");
     }
+  }
+
+  // A damaged frame fails like the end, but those after it may be sound.
+  bool decode(Frame& frame) {
+    int failures = 0;
+    while (!read_next(frame.bgr)) {
+      ++failures;
+      if (decoded_ + ++failed_ >= info_.frame_count || failures == kMaxFailures) return false;
+    }
+    damaged_ |= failures > 0 && decoded_ > 0;
     turn(frame.bgr, clockwise_deg_);
     frame.time_s = clock_.next(capture_.get(cv::CAP_PROP_POS_MSEC) / 1000.0);
     frame.index = decoded_++;
     return true;
   }
 
-  std::string breaks_off() const {
-    std::string text = "breaks off: " + std::to_string(decoded_);
+  // Frames that fail at the end are not told from those that a cut left unshown, but the latter
+  // are in the file.
+  bool is_damaged() const {
+    return damaged_ || (decoded_ < info_.frame_count && indexes_every_frame(info_.name) &&
+                        count_packets(info_.name) < info_.frame_count);
+  }
+
+  std::string frames_read() const {
+    std::string text = std::to_string(decoded_);
     if (info_.frame_count > decoded_) text += " of " + std::to_string(info_.frame_count);
     return text + (decoded_ == 1 && info_.frame_count <= 1 ? " frame" : " frames") +
            " could be read";
@@ -137,9 +156,9 @@ class VideoSource final : public FrameSource {
   SourceInfo info_;
   FrameClock clock_{kDefaultFps};
   Frame ahead_;
-  bool has_ahead_ = false, cut_short_ = false;
+  bool has_ahead_ = false, cut_short_ = false, damaged_ = false;
   int clockwise_deg_ = 0;
-  std::int64_t decoded_ = 0;
+  std::int64_t decoded_ = 0, failed_ = 0;
 };
 
 }  // namespace
