@@ -66,6 +66,12 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return at == std::string::npos ? text : text.replace(at, what.size(), by);
 }
 
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
 std::string camera_text() { return read_text(data_file("sample/camera.yml")); }
 std::string hand_text() { return read_text(data_file("sample/hand.json")); }
 
@@ -124,6 +130,10 @@ TEST_F(IoTest, CameraIsReadBackAsWritten) {
   EXPECT_EQ(files(), 1u);
 }
 
+TEST_F(IoTest, CameraFileMayBeginWithAByteOrderMark) {
+  EXPECT_EQ(parse_camera("\xef\xbb\xbf" + camera_text(), "c.yml").width_px, 640);
+}
+
 TEST_F(IoTest, RosCameraFileIsRead) {
   const Camera camera = parse_camera(
       "image_width: 640\nimage_height: 480\ncamera_name: cam\n"
@@ -173,9 +183,15 @@ TEST_F(IoTest, FaultyCameraFilesAreRefusedByField) {
            // found by fuzzing: OpenCV 4.6 alone never returns from these
            "%YAML:1.0\n---------%YAML:1.0\n---\n--/---ig. :---a_m,", "a: 1\n-x",
            "\n \xdb%YAML:1.0\n-\xa6-\nimage_width: 640\nimage_height: 480\n"
-           "camera_matrix: !!opencv\xb6:-.-mia"}) {
-    EXPECT_NE(fault_of([&] { parse_camera(text, "c.yml"); }), "") << text;
+           "camera_matrix: !!opencv\xb6:-.-mia",
+           // OpenCV alone runs out of stack
+           "a: " + std::string(200000, '['), "{\"a\": " + std::string(200000, '['),
+           "a:\n  " + repeated("- ", 200000), "a: " + repeated("{b: ", 200000),
+           "<?xml version=\"1.0\"?>\n<opencv_storage>" + repeated("<a>", 200000)}) {
+    EXPECT_NE(fault_of([&] { parse_camera(text, "c.yml"); }), "") << text.substr(0, 100);
   }
+  EXPECT_EQ(fault_of([] { parse_camera("a: 1\nb: [ 1,\nc: 2 ]\n", "c.yml"); }),
+            "c.yml: is not a camera file (YAML): line 3: Incorrect indentation");
 }
 
 TEST_F(IoTest, CameraFitsOtherSizesOfTheSameShapeOnly) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ namespace handyar::io {
 namespace {
 
 constexpr int kMaxSide_px = 65536;
+constexpr int kMaxBegun = 2000;  // lists and maps in a file
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf", kFirstLines = "%YAML:1.0\n---\n";
 
 // After the end of a document OpenCV 4.6 never returns from a line that begins with a dash. So all
 // is to be one document: keys are not indented, and no line begins with a dash but "---".
@@ -34,22 +37,46 @@ bool has_stray_line(std::string_view yaml) {
   return false;
 }
 
+// OpenCV calls itself for each list or map within another, as deep as they go. How deep that is
+// need not be known when there are few altogether.
+bool nests_too_deep(std::string_view text) {
+  int begun = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool item = text[i] == '-' && i + 1 < text.size() && text[i + 1] == ' ';
+    begun += item || text[i] == '[' || text[i] == '{' || text[i] == '<';
+  }
+  return begun > kMaxBegun;
+}
+
+// OpenCV's fault is "(LINE): WHAT" behind other things; 4.6 gives it for the function's name.
+std::string line_and_fault(const cv::Exception& e, int lines_before) {
+  for (const std::string& text : {e.err, e.func}) {
+    const auto end = text.rfind("): ");
+    const auto begin = text.rfind('(', end);
+    if (end == std::string::npos || begin == std::string::npos) continue;
+    const int line = std::atoi(text.c_str() + begin + 1) - lines_before;
+    if (line > 0) return ": line " + std::to_string(line) + ": " + text.substr(end + 3);
+  }
+  return "";
+}
+
 // A camera file being read: each getter checks what it gives.
 class Reader {
  public:
   Reader(std::string_view text, std::string_view name) : name_(name) {
     silence_libraries();
+    if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
     std::string yaml(text);
     if (yaml.find('\0') != std::string::npos) fail("is not a camera file (YAML)");
-    if (has_stray_line(yaml)) fail("is not a camera file (YAML)");
+    if (nests_too_deep(yaml) || has_stray_line(yaml)) fail("is not a camera file (YAML)");
     // OpenCV insists on its own first line, ROS does not write it.
-    if (!yaml.starts_with("%YAML") && !yaml.starts_with("{") && !yaml.starts_with("<?xml")) {
-      yaml.insert(0, "%YAML:1.0\n---\n");
-    }
+    const bool complete =
+        yaml.starts_with("%YAML") || yaml.starts_with("{") || yaml.starts_with("<?xml");
+    if (!complete) yaml.insert(0, kFirstLines);
     try {
       storage_.open(yaml, cv::FileStorage::READ | cv::FileStorage::MEMORY);
     } catch (const cv::Exception& e) {
-      fail("is not a camera file (YAML): " + e.err);
+      fail("is not a camera file (YAML)" + line_and_fault(e, complete ? 0 : 2));
     } catch (const std::exception&) {  // its parser lets std::length_error and the like through
       fail("is not a camera file (YAML)");
     }
@@ -172,8 +199,8 @@ Camera parse_camera(std::string_view text, std::string_view name) {
     read_intrinsics(file, camera);
     read_distortion(file, camera);
     return camera;
-  } catch (const cv::Exception& e) {
-    throw Error(name, "is not a camera file (YAML): " + e.err);
+  } catch (const cv::Exception&) {
+    throw Error(name, "is not a camera file (YAML)");
   }
 }
 
