@@ -601,6 +601,10 @@ TEST_F(IoTest, InputsThatAreNoneAreNamed) {
   EXPECT_EQ(fault("one.png").rfind(path("one.png: 1x1 pixels: "), 0), 0u);
   EXPECT_EQ(fault("no.mp4"), path("no.mp4: no such file, and no camera has that name"));
   EXPECT_EQ(fault("").rfind(path(""), 0), 0u);
+  ::mkfifo(path("pipe.mp4").c_str(), 0600);
+  EXPECT_EQ(fault("pipe.mp4"), path("pipe.mp4: is a pipe: a video or picture must be a file"));
+  EXPECT_EQ(fault_of([] { open_input("/dev/zero"); }),
+            "/dev/zero: is not a camera, or another program uses it");
   EXPECT_NE(fault_of([] { open_input("/dev/video987"); }), "");
   EXPECT_NE(fault_of([] { open_input("987"); }), "");
   EXPECT_NE(fault_of([] { open_input(""); }), "");

@@ -96,6 +96,8 @@ std::unique_ptr<FrameSource> open_input(const std::string& input) {
     throw Error(input, "is a folder; for the pictures in it give a pattern, such as " +
                            (fs::path(input) / "%04d.png").string());
   }
+  if (fs::is_fifo(status)) throw Error(input, "is a pipe: a video or picture must be a file");
+  if (fs::is_character_file(status)) return open_camera(input);
   if (fs::exists(status)) {
     require_readable(input);
     if (fs::is_regular_file(status) && fs::file_size(input, ignored) == 0) {
