@@ -386,6 +386,23 @@ TEST_F(IoTest, WhatIsNoRegularFileIsWrittenDirectly) {
   EXPECT_EQ(read_text(path("target.txt")), "new");
 }
 
+TEST_F(IoTest, WhatALinkLeadsToIsMade) {
+  fs::create_symlink("second.txt", path("first.txt"));
+  fs::create_symlink("target.txt", path("second.txt"));
+  write_text(path("first.txt"), "new");
+  EXPECT_TRUE(fs::is_symlink(path("first.txt")));
+  EXPECT_TRUE(fs::is_symlink(path("second.txt")));
+  EXPECT_EQ(read_text(path("target.txt")), "new");
+  EXPECT_EQ(files(), 3u);
+}
+
+TEST_F(IoTest, NamesMayBeAsLongAsTheSystemAllows) {
+  const std::string name = path(std::string(251, 'n') + ".txt");
+  write_text(name, "new");
+  EXPECT_EQ(read_text(name), "new");
+  EXPECT_EQ(files(), 1u);
+}
+
 TEST_F(IoTest, OutputsThatCannotBeWrittenAreNamed) {
   EXPECT_EQ(
       fault_of([&] { PoseCsvWriter("/proc/p.csv"); }).rfind("/proc/p.csv: cannot be written", 0),

@@ -19,8 +19,20 @@ namespace handyar::io {
 namespace {
 
 constexpr std::uintmax_t kMaxTextBytes = 1u << 20;
+constexpr std::size_t kMaxStemBytes = 200;  // a name may have 255, the temporary one is longer
 
 std::string reason() { return errno != 0 ? std::strerror(errno) : "unknown reason"; }
+
+// The file behind symbolic links, also when it does not exist yet.
+fs::path behind_links(fs::path path) {
+  std::error_code fault;
+  for (int links = 0; links < 40 && fs::is_symlink(path, fault) && !fs::exists(path, fault);
+       ++links) {
+    path = path.parent_path() / fs::read_symlink(path, fault);
+  }
+  const fs::path canonical = fs::weakly_canonical(path, fault);
+  return fault || canonical.empty() ? path : canonical;
+}
 
 }  // namespace
 
@@ -30,13 +42,12 @@ PendingFile::PendingFile(const std::string& target) : target_(target) {
   if (fs::is_directory(target, ignored)) throw Error(target, "is a folder, not a file");
 
   // Behind a symbolic link the file itself is replaced, not the link.
-  fs::path destination = fs::weakly_canonical(target, ignored);
-  if (ignored || destination.empty()) destination = target;
+  const fs::path destination = behind_links(target);
   destination_ = destination.string();
   pending_ = !fs::exists(destination, ignored) || fs::is_regular_file(destination, ignored);
   if (pending_) {
-    const fs::path name = destination.stem().string() + ".partial-" + std::to_string(::getpid()) +
-                          destination.extension().string();
+    const fs::path name = destination.stem().string().substr(0, kMaxStemBytes) + ".partial-" +
+                          std::to_string(::getpid()) + destination.extension().string();
     path_ = (destination.parent_path() / name).string();
   } else {
     path_ = destination_;
