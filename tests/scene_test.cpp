@@ -90,7 +90,8 @@ TEST(Scene, MarkersOrABoardDefineTheWorld) {
 
 TEST(Scene, SaysInOneLineWhatIsWrong) {
   EXPECT_EQ(complaint(two_objects()), "");
-  EXPECT_NE(complaint(std::string("{\"objects\": [")).find("is not JSON"), std::string::npos);
+  EXPECT_NE(complaint(std::string("{\"objects\": [")).find("json: is not valid JSON: parse error"),
+            std::string::npos);
   expect_complaint(json::array(), "is not a scene");
   expect_complaint({{"format", "handyar-hand"}}, "format");
 
@@ -111,6 +112,26 @@ TEST(Scene, SaysInOneLineWhatIsWrong) {
   expect_complaint(with([](json& o) { o["pose"] = {{"position_mm", {1, 2}}}; }), "position_mm");
   expect_complaint(with([](json& o) { o["name"] = "a"; }), "used twice");
   expect_complaint(with([](json& o) { o = 7; }), "object 2");
+  expect_complaint(with([](json& o) { o["marker"]["id"] = 50; }),
+                   "object 2: \"id\" is not a number from 0 to 49");
+  for (const char* colour : {"#-1-1-1", "# 1 2 3", "#12345g", "#123456 ", "0123456"})
+    expect_complaint(with([&](json& o) { o["colour"] = colour; }), "#rrggbb");
+  expect_complaint(with([](json& o) { o["color"] = "#ffffff"; }),
+                   "object 2: \"color\" is not known here");
+  expect_complaint(with([](json& o) { o["pose"] = {{"positon_mm", {1, 2, 3}}}; }), "positon_mm");
+  expect_complaint(with([](json& o) { o["marker"]["pose"] = json::object(); }), "\"pose\"");
+  json scene = two_objects();
+  scene["wrold"] = json::object();
+  expect_complaint(scene, "\"wrold\" is not known here");
+  scene = two_objects();
+  scene["world"] = {{"board",
+                     {{"dictionary", "DICT_4X4_50"},
+                      {"columns", 8},
+                      {"rows", 6},
+                      {"size_mm", 30},
+                      {"gap_mm", 10},
+                      {"id", 3}}}};
+  expect_complaint(scene, "world: the board needs ids up to 50, DICT_4X4_50 has 50");
   expect_complaint({{"format", "handyar-scene"}, {"version", 1}, {"objects", json::array()}},
                    "missing or empty");
 }

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "handyar/io/error.hpp"
+#include "handyar/io/json.hpp"
 #include "handyar/io/pending_file.hpp"
-#include "json.hpp"
 
 namespace handyar::io {
 namespace {

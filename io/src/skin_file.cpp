@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "handyar/io/error.hpp"
+#include "handyar/io/json.hpp"
 #include "handyar/io/pending_file.hpp"
-#include "json.hpp"
 
 namespace handyar::io {
 namespace {

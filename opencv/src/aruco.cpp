@@ -45,12 +45,21 @@ std::vector<std::string> dictionary_names() {
   return names;
 }
 
+// With OpenCV 4.7 a dictionary became a value, and detection an object's.
+int dictionary_size(int dictionary_number) {
+  const auto dictionary = cv::aruco::getPredefinedDictionary(dictionary_number);
+#if CV_VERSION_MAJOR > 4 || CV_VERSION_MINOR >= 7
+  return dictionary.bytesList.rows;
+#else
+  return dictionary->bytesList.rows;
+#endif
+}
+
 std::array<cv::Point3d, 4> marker_corners_m(double size_m) {
   const double h = size_m / 2;
   return {{{-h, h, 0}, {h, h, 0}, {h, -h, 0}, {-h, -h, 0}}};
 }
 
-// With OpenCV 4.7 detection became an object's.
 std::vector<SeenMarker> detect_markers(const cv::Mat& picture, int dictionary_number) {
   const auto dictionary = cv::aruco::getPredefinedDictionary(dictionary_number);
   std::vector<std::vector<cv::Point2f>> corners;

@@ -1,37 +1,32 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/render/scene.hpp"
 
-#include <array>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "handyar/io/error.hpp"
+#include "handyar/io/json.hpp"
 #include "handyar/io/pending_file.hpp"
 #include "handyar/opencv/aruco.hpp"
 
 namespace handyar::render {
 namespace {
 
-using nlohmann::json;
+using json = io::Json;
 
 /// Reads one scene; `at_` says where in the file for messages.
 class Reader {
  public:
   explicit Reader(const std::string& path) : path_(path) {}
 
-  Scene read(std::string_view text) {
-    json root;
-    try {
-      root = json::parse(text);
-    } catch (const json::exception& e) {
-      fail("is not JSON: " + std::string(e.what()));
-    }
+  Scene read(const json& root) {
     if (!root.is_object()) fail("is not a scene: an object with \"objects\" is expected");
-    at_ = "";
     if (root.value("format", json()) != "handyar-scene")
       fail("\"format\" is not \"handyar-scene\"");
     if (root.value("version", json()) != 1) fail("\"version\" is not 1");
+    expect_only(root, {"format", "version", "world", "objects"});
     if (root.contains("world")) read_world(root["world"]);
     if (!root.contains("objects") || !root["objects"].is_array() || root["objects"].empty())
       fail("\"objects\" is missing or empty");
@@ -44,6 +39,14 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const std::string& fault) const { throw io::Error(path_, at_ + fault); }
+
+  /// A slip in a key would go unnoticed where the key may be missing.
+  void expect_only(const json& in, std::initializer_list<std::string_view> known) const {
+    if (!in.is_object()) fail("an object in braces is expected");
+    for (const auto& [key, value] : in.items())
+      if (std::find(known.begin(), known.end(), key) == known.end())
+        fail("\"" + key + "\" is not known here");
+  }
 
   const json& field(const json& in, const char* key) const {
     if (!in.is_object()) fail("an object in braces is expected");
@@ -93,6 +96,7 @@ class Reader {
     if (!in.contains("pose")) return Eigen::Isometry3d::Identity();
     const json& v = in["pose"];
     if (!v.is_object()) fail("\"pose\" is not an object in braces");
+    expect_only(v, {"position_mm", "rotation_deg"});
     const Eigen::Vector3d angles_rad = triple(v, "rotation_deg") * (M_PI / 180);
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translation() = triple(v, "position_mm") / 1000;
@@ -106,12 +110,13 @@ class Reader {
   Eigen::Vector3f colour(const json& in) const {
     if (!in.contains("colour")) return Eigen::Vector3f::Ones();
     const std::string text = word(in, "colour");
-    unsigned r = 0, g = 0, b = 0;
-    int used = 0;
-    if (text.size() != 7 || std::sscanf(text.c_str(), "#%2x%2x%2x%n", &r, &g, &b, &used) != 3 ||
-        used != 7)
+    if (text.size() != 7 || text[0] != '#' ||
+        text.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
       fail("\"colour\" is not like \"#rrggbb\"");
-    return Eigen::Vector3f(float(r), float(g), float(b)) / 255;
+    const auto part = [&](std::size_t at) {
+      return static_cast<float>(std::stoi(text.substr(at, 2), nullptr, 16));
+    };
+    return Eigen::Vector3f(part(1), part(3), part(5)) / 255;
   }
 
   SceneMarker marker(const json& in) const {
@@ -120,7 +125,7 @@ class Reader {
     if (!dictionary_number(m.dictionary))
       fail("unknown marker dictionary \"" + m.dictionary + "\" (known are OpenCV's, like " +
            "DICT_4X4_50 or DICT_APRILTAG_36h11)");
-    m.id = whole(in, "id", 0, 100000);
+    m.id = whole(in, "id", 0, dictionary_size(*dictionary_number(m.dictionary)) - 1);
     m.size_m = number(in, "size_mm", 1, 10000) / 1000;
     return m;
   }
@@ -135,10 +140,12 @@ class Reader {
 
   void read_world(const json& world) {
     at_ = "world: ";
+    expect_only(world, {"markers", "board"});
     if (world.contains("board")) read_board(world["board"]);
     if (world.contains("markers")) {
       if (!world["markers"].is_array()) fail("\"markers\" is not a list");
       for (const json& in : world["markers"]) {
+        expect_only(in, {"dictionary", "id", "size_mm", "pose"});
         SceneMarker m = marker(in);
         m.T_world_marker = pose(in);
         add_to_world(m);
@@ -155,11 +162,16 @@ class Reader {
   /// Markers in rows from the top left, ids rising; the world's origin is the board's centre, x
   /// right, y up, z out of the print.
   void read_board(const json& in) {
+    expect_only(in, {"dictionary", "id", "columns", "rows", "size_mm", "gap_mm"});
     const int columns = whole(in, "columns", 1, 100), rows = whole(in, "rows", 1, 100);
     const double gap_m = number(in, "gap_mm", 0, 10000) / 1000;
     json first = in;
     if (!first.contains("id")) first["id"] = 0;
     SceneMarker m = marker(first);
+    const int known = dictionary_size(*dictionary_number(m.dictionary));
+    if (m.id + rows * columns > known)
+      fail("the board needs ids up to " + std::to_string(m.id + rows * columns - 1) + ", " +
+           m.dictionary + " has " + std::to_string(known));
     const double pitch_m = m.size_m + gap_m;
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns; ++column, ++m.id) {
@@ -171,6 +183,7 @@ class Reader {
 
   void read_object(const json& in) {
     const bool has_world = !scene_.markers.empty() && scene_.markers.front().T_world_marker;
+    expect_only(in, {"name", "marker", "model", "colour", "size_mm", "pose"});
     SceneObject o;
     o.model = word(in, "model");
     const std::filesystem::path folder = std::filesystem::path(path_).parent_path();
@@ -183,6 +196,7 @@ class Reader {
     if (in.contains("size_mm")) o.size_m = number(in, "size_mm", 1, 10000) / 1000;
     o.T_marker_object = pose(in);
     if (in.contains("marker")) {
+      expect_only(in["marker"], {"dictionary", "id", "size_mm"});
       const SceneMarker m = marker(in["marker"]);
       o.marker = find(m);
       for (const SceneObject& other : scene_.objects)
@@ -209,7 +223,7 @@ class Reader {
 }  // namespace
 
 Scene parse_scene(std::string_view text, const std::string& path) {
-  return Reader(path).read(text);
+  return io::parse_json(text, path, [&](const json& root) { return Reader(path).read(root); });
 }
 
 Scene read_scene(const std::string& path) { return parse_scene(io::read_text(path), path); }

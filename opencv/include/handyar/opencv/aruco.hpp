@@ -13,6 +13,9 @@ namespace handyar {
 /// OpenCV's number of a marker dictionary, e.g. "DICT_4X4_50"; empty when it has none of that name.
 std::optional<int> dictionary_number(std::string_view name);
 
+/// How many markers it has; their ids count from 0.
+int dictionary_size(int dictionary_number);
+
 /// Names of all of them, AprilTag's ("DICT_APRILTAG_...") at the end.
 std::vector<std::string> dictionary_names();
 
