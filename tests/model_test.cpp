@@ -31,10 +31,13 @@ class ModelFile : public testing::Test {
   }
 
   std::string complaint(const std::string& path) const {
+    testing::internal::CaptureStderr();
     try {
       load_model(path);
+      testing::internal::GetCapturedStderr();
     } catch (const io::Error& e) {
       const std::string said = e.what();
+      EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << said;
       EXPECT_EQ(said.find(path), 0u) << said;
       EXPECT_EQ(said.find('\n'), std::string::npos) << said;
       return said;
@@ -142,6 +145,41 @@ TEST_F(ModelFile, ReadsAPlyWithColours) {
   EXPECT_TRUE(model.meshes.at(0).vertices.at(0).colour.isApprox(Eigen::Vector3f(1, 0, 0), 1e-5f));
 }
 
+std::string ply(const std::string& format, int vertices, int faces, const std::string& body) {
+  return "ply\nformat " + format + " 1.0\nelement vertex " + std::to_string(vertices) +
+         "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+         std::to_string(faces) + "\nproperty list uchar int vertex_indices\nend_header\n" + body;
+}
+
+// assimp alone ends the program at these, or never returns.
+TEST_F(ModelFile, RefusesAPlyWhoseCountsAreWrong) {
+  const std::string corners = "0 0 0\n1 0 0\n0 1 0\n";
+  EXPECT_EQ(complaint(write("good.ply", ply("ascii", 3, 1, corners + "3 0 1 2"))), "");
+  for (const char* face : {"3 0 1 9\n", "3 0 1 -2\n", "0\n"})
+    EXPECT_NE(complaint(write("m.ply", ply("ascii", 3, 1, corners + face)))
+                  .find("has a face with a corner that is not there"),
+              std::string::npos)
+        << face;
+  for (const auto& [vertices, faces] :
+       std::vector<std::pair<int, int>>{{3, 2}, {100000000, 1}, {3, 100000000}, {-3, 1}})
+    EXPECT_NE(complaint(write("m.ply", ply("ascii", vertices, faces, corners + "3 0 1 2\n")))
+                  .find("breaks off"),
+              std::string::npos)
+        << vertices << " " << faces;
+  EXPECT_NE(complaint(write("m.ply", ply("ascii", 3, 1, corners + "200000000 0 1 2\n"))), "");
+
+  const float xyz[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  const std::int32_t face[] = {0, 1, 2};
+  const std::string body = std::string(reinterpret_cast<const char*>(xyz), sizeof xyz) + '\3' +
+                           std::string(reinterpret_cast<const char*>(face), sizeof face);
+  const auto binary = [&](const std::string& bytes) {
+    return complaint(write("m.ply", ply("binary_little_endian", 3, 1, bytes)));
+  };
+  EXPECT_EQ(binary(body), "");
+  for (std::size_t kept = 0; kept < body.size(); ++kept)
+    EXPECT_NE(binary(body.substr(0, kept)).find("breaks off"), std::string::npos) << kept;
+}
+
 TEST_F(ModelFile, SaysInOneLineWhatIsWrong) {
   EXPECT_NE(complaint((folder_ / "none.obj").string()).find("no such"), std::string::npos);
   EXPECT_NE(complaint(write("broken.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"meshes\": [")),
@@ -165,6 +203,8 @@ TEST_F(ModelFile, SaysInOneLineWhatIsWrong) {
                             "vt 1 1\nusemtl skin\nf 1/1 2/2 3/3\n"))
                 .find("gone.png"),
             std::string::npos);
+  write("gone.png", "\x89PNG\r\n\x1a\n and nothing more");
+  EXPECT_NE(complaint((folder_ / "m.obj").string()).find("gone.png"), std::string::npos);
 }
 
 }  // namespace

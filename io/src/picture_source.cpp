@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
@@ -10,6 +7,7 @@
 #include <vector>
 
 #include "handyar/io/error.hpp"
+#include "handyar/io/quiet_standard_error.hpp"
 #include "sources.hpp"
 
 namespace fs = std::filesystem;
@@ -18,26 +16,6 @@ namespace handyar::io {
 namespace {
 
 constexpr double kPictureFps = 30.0;
-
-// libpng and libjpeg complain on standard error directly; no setting of OpenCV's stops that.
-class QuietStandardError {
- public:
-  QuietStandardError() : saved_(::dup(STDERR_FILENO)) {
-    const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-    if (saved_ >= 0 && null >= 0) ::dup2(null, STDERR_FILENO);
-    if (null >= 0) ::close(null);
-  }
-  ~QuietStandardError() {
-    if (saved_ < 0) return;
-    ::dup2(saved_, STDERR_FILENO);
-    ::close(saved_);
-  }
-  QuietStandardError(const QuietStandardError&) = delete;
-  QuietStandardError& operator=(const QuietStandardError&) = delete;
-
- private:
-  int saved_;
-};
 
 // A file name around one %d or %0Nd.
 struct Pattern {

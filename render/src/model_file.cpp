@@ -4,13 +4,16 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "handyar/io/error.hpp"
+#include "handyar/io/quiet_standard_error.hpp"
 #include "handyar/render/model.hpp"
+#include "ply.hpp"
 
 namespace handyar::render {
 namespace {
@@ -43,6 +46,7 @@ cv::Mat read_texture(const aiScene& scene, const aiMaterial& material, const fs:
   if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &name) != aiReturn_SUCCESS &&
       material.GetTexture(aiTextureType_DIFFUSE, 0, &name) != aiReturn_SUCCESS)
     return {};
+  const io::QuietStandardError quiet;
   cv::Mat image;
   if (const aiTexture* embedded = scene.GetEmbeddedTexture(name.C_Str())) {
     if (embedded->mHeight == 0)  // a compressed file of mWidth bytes
@@ -97,19 +101,37 @@ Mesh read_mesh(const aiMesh& in) {
   return out;
 }
 
+// assimp's own steps take it for granted that faces have corners, and that these are there.
+bool has_broken_face(const aiScene& scene) {
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene.mMeshes[i];
+    for (unsigned k = 0; k < mesh.mNumFaces; ++k) {
+      const aiFace& face = mesh.mFaces[k];
+      const auto beyond = [&](unsigned corner) { return corner >= mesh.mNumVertices; };
+      if (face.mNumIndices == 0 ||
+          std::any_of(face.mIndices, face.mIndices + face.mNumIndices, beyond))
+        return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 Model load_model(const fs::path& path) {
   if (!std::ifstream(path)) fail(path, "no such model (a file, or one of: teapot, bunny)");
+  if (is_ply_cut_short(path)) fail(path, "breaks off: its header states more than there is");
   Assimp::Importer importer;
   // Points and lines have no surface: they are dropped.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene =
-      importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices |
-                                           aiProcess_SortByPType | aiProcess_GenSmoothNormals |
-                                           aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs |
-                                           aiProcess_FindDegenerates);
+  const aiScene* scene = importer.ReadFile(path.string(), 0);
+  if (scene && has_broken_face(*scene)) fail(path, "has a face with a corner that is not there");
+  if (scene)
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices |
+                                         aiProcess_SortByPType | aiProcess_GenSmoothNormals |
+                                         aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs |
+                                         aiProcess_FindDegenerates);
   if (!scene) fail(path, "cannot be read as a model: " + first_line(importer.GetErrorString()));
   Model model;
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
