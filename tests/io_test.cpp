@@ -258,6 +258,10 @@ TEST_F(IoTest, FaultyHandFilesAreRefusedByField) {
     const std::string fault = fault_of([&] { parse_hand(text, "h.json"); });
     EXPECT_EQ(fault.rfind(std::string("h.json: ") + c.fault, 0), 0u) << fault;
   }
+  std::string swapped = replaced(hand_text(), "\"index\"", "\"?\"");
+  swapped = replaced(replaced(swapped, "\"ring\"", "\"index\""), "\"?\"", "\"ring\"");
+  EXPECT_EQ(fault_of([&] { parse_hand(swapped, "h.json"); }),
+            "h.json: tips_m: the fingers do not lie in order from thumb to little");
   std::string four = hand_text();
   const auto at = four.find(",\n  \"little\"");
   ASSERT_NE(at, std::string::npos);

@@ -110,6 +110,19 @@ void read_tips(const Reader& file, HandModel& hand) {
   }
 }
 
+// Seen from the palm the fingertips follow each other one way round.
+void require_order(const Reader& file, const HandModel& hand) {
+  int turns = 0;
+  for (int i = 0; i + 1 < kFingerCount; ++i) {
+    const Eigen::Vector2d a = (hand.tips_m.col(i) - hand.palm_centre_m()).head<2>();
+    const Eigen::Vector2d b = (hand.tips_m.col(i + 1) - hand.palm_centre_m()).head<2>();
+    turns += a.x() * b.y() > a.y() * b.x() ? 1 : -1;
+  }
+  if (std::abs(turns) != kFingerCount - 1) {
+    file.fail("tips_m: the fingers do not lie in order from thumb to little");
+  }
+}
+
 void read_version_2(const Reader& file, HandModel& hand) {
   if (file.has("tips_sigma_m")) {
     hand.tips_sigma_m = file.points("tips_sigma_m", kFingerNames);
@@ -151,6 +164,7 @@ HandModel read_fields(const Reader& file) {
   }
   HandModel hand;
   read_tips(file, hand);
+  require_order(file, hand);
   const std::string layout = file.text("layout");
   if (layout != name(Layout::thumb_right) && layout != name(Layout::thumb_left)) {
     file.fail("layout is neither thumb_right nor thumb_left");
