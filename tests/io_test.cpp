@@ -604,6 +604,18 @@ TEST_F(IoTest, PicturesAreReadInTheOrderOfTheirNumbers) {
             path("p%d.png") + ": frame 5 has 160x130 pixels, those before it 160x120");
 }
 
+TEST_F(IoTest, PictureThatBreaksOffIsNone) {
+  for (const char* name : {"p.jpg", "p.png"}) {
+    cv::imwrite(path(name), quarters(320, 240));
+    const std::string whole = read_text(path(name));
+    EXPECT_NO_THROW(open_input(path(name)));
+    write_text(path(name), whole + "what a camera adds");
+    EXPECT_NO_THROW(open_input(path(name)));
+    write_text(path(name), whole.substr(0, whole.size() * 2 / 3));
+    EXPECT_EQ(fault_of([&] { open_input(path(name)); }).rfind(path(name), 0), 0u) << name;
+  }
+}
+
 TEST_F(IoTest, InputsThatAreNoneAreNamed) {
   write_text(path("text.mp4"), "a text, not a video\n");
   write_text(path("text.txt"), std::string(2000, 'x'));

@@ -105,6 +105,20 @@ bool matroska_cut_short(Bytes& file) {
   return segment.known && segment.data_at + segment.length > file.size();
 }
 
+// ITU T.81: segments with their length behind two bytes of marker, up to the picture's data, in
+// which the end's marker does not occur. A smaller picture may lie whole in a segment before.
+bool jpeg_cut_short(Bytes& file) {
+  for (std::uint64_t at = 2;;) {
+    const std::string head = file.read(at, 4);
+    if (head.size() < 4) return true;
+    if (head[0] != '\xff') return false;
+    if (head[1] == '\xda') {
+      return file.read(at, file.size() - at).find("\xff\xd9") == std::string::npos;
+    }
+    at += head[1] == '\xff' ? 1 : 2 + big_endian(std::string_view(head).substr(2, 2));
+  }
+}
+
 }  // namespace
 
 bool is_cut_short(const std::string& path) {
@@ -117,6 +131,7 @@ bool is_cut_short(const std::string& path) {
     return avi_cut_short(file);
   }
   if (head.compare(0, 4, "\x1a\x45\xdf\xa3") == 0) return matroska_cut_short(file);
+  if (head.compare(0, 3, "\xff\xd8\xff") == 0) return jpeg_cut_short(file);
   return false;
 }
 

@@ -6,8 +6,9 @@
 namespace handyar::io {
 
 /// True when a video file (MP4, MOV, AVI, Matroska, WebM) ends before the length that its own
-/// headers state. The number of frames that a container promises cannot tell: it is an estimate in
-/// AVI and Matroska, and after a lossless cut an MP4 counts frames that are not to be shown.
+/// headers state, or a JPEG before its end marker. The number of frames that a container promises
+/// cannot tell: it is an estimate in AVI and Matroska, and after a lossless cut an MP4 counts
+/// frames that are not to be shown.
 bool is_cut_short(const std::string& path);
 
 /// True for an MP4 or MOV whose one index lists every frame: one that cannot be found is lost.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "container.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/quiet_standard_error.hpp"
 #include "sources.hpp"
@@ -97,6 +98,7 @@ class PictureSource final : public FrameSource {
       frame.bgr.release();
     }
     if (frame.bgr.empty()) throw Error(picture.path, "is not a picture that can be read");
+    if (is_cut_short(picture.path)) throw Error(picture.path, "breaks off");  // the rest is grey
     frame.index = picture.number - pictures_.front().number;
     frame.time_s = static_cast<double>(frame.index) / kPictureFps;
   }
