@@ -102,7 +102,7 @@ void write_video(const std::string& path, int frames) {
   for (int i = 0; i < frames; ++i) {
     cv::Mat picture = quarters(160, 120);
     cv::circle(picture, {20 + 3 * i, 60}, 10, {0, 0, 0}, cv::FILLED);
-    writer.write(picture);
+    writer.write(picture, i / 25.0);
   }
   writer.finish();
 }
@@ -460,6 +460,35 @@ TEST_P(VideoTest, VideoIsReadBackAsWritten) {
   EXPECT_EQ(frame.view().stride_bytes, 480);
 }
 
+TEST_F(IoTest, WrittenVideosKeepToTheTimesOfTheirFrames) {
+  // 10 frames at the rate of 25 with some jitter, 5 at half of it, a pause, 10 at twice the rate.
+  std::vector<double> times_s;
+  for (int i = 0; i < 10; ++i) times_s.push_back((i + 0.3 * (i % 2)) / 25);
+  for (int i = 0; i < 5; ++i) times_s.push_back((10 + 2 * i) / 25.0);
+  for (int i = 0; i < 10; ++i) times_s.push_back(2 + i / 50.0);
+  times_s.push_back(100);
+  VideoWriter writer(path("v.avi"), 160, 120, 25);
+  for (int i = 0; i < std::ssize(times_s); ++i) {  // its number in five black or white bars
+    cv::Mat picture(120, 160, CV_8UC3);
+    for (int bit = 0; bit < 5; ++bit)
+      picture.colRange(32 * bit, 32 * bit + 32).setTo(cv::Scalar::all(i >> bit & 1 ? 255 : 0));
+    writer.write(picture, times_s[std::size_t(i)]);
+  }
+  writer.finish();
+  const auto source = open_input(path("v.avi"));
+  std::vector<int> shown;
+  for (Frame frame; source->read(frame);) {
+    shown.push_back(0);
+    for (int bit = 0; bit < 5; ++bit)
+      shown.back() += (frame.bgr.at<cv::Vec3b>(60, 32 * bit + 16)[0] > 128) << bit;
+  }
+  ASSERT_GT(shown.size(), 55u);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(shown[i], i);
+  for (std::size_t i = 0; i < 55; ++i)
+    EXPECT_LE(std::abs(times_s[shown[i]] - double(i) / 25), i > 18 && i < 50 ? 1.4 : 0.09) << i;
+  EXPECT_NEAR(double(shown.size()), 25 * 12.2, 3) << "a long pause is cut short";
+}
+
 TEST_P(VideoTest, VideoThatCannotBeWrittenWholeIsNotKept) {
   const std::string name = path(std::string("v") + GetParam());
   write_video(name, 50);
@@ -602,6 +631,14 @@ TEST_F(IoTest, PicturesAreReadInTheOrderOfTheirNumbers) {
   const auto changing = open_input(path("p%d.png"));
   EXPECT_EQ(fault_of([&] { times_of(*changing); }),
             path("p%d.png") + ": frame 5 has 160x130 pixels, those before it 160x120");
+}
+
+TEST_F(IoTest, ASinglePictureIsHeld) {
+  cv::imwrite(path("p.png"), quarters(320, 240));
+  const auto source = open_input(path("p.png"));
+  const std::vector<double> times_s = times_of(*source);
+  ASSERT_EQ(times_s.size(), 30u);
+  EXPECT_NEAR(times_s.back(), 29 / 30.0, 1e-12);
 }
 
 TEST_F(IoTest, PictureThatBreaksOffIsNone) {

@@ -113,7 +113,7 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
       frame.bgr.copyTo(picture);
       if (run.annotated) annotate(picture, tracker, camera, result);
       if (run.overlay) run.overlay(picture, frame.index, tracker, camera, result);
-      if (outputs.video) outputs.video->write(picture);
+      if (outputs.video) outputs.video->write(picture, frame.time_s);
       if (outputs.window && !outputs.window->show(picture, until_due_s())) {
         summary.ended_early = true;
         break;

@@ -17,6 +17,8 @@ namespace handyar::io {
 namespace {
 
 constexpr double kPictureFps = 30.0;
+// A single picture is held for a second: what moves in none has to be looked at for a while, too.
+constexpr std::int64_t kHeldFrames = 30;
 
 // A file name around one %d or %0Nd.
 struct Pattern {
@@ -90,21 +92,29 @@ class PictureSource final : public FrameSource {
   }
 
  private:
-  void load(const Picture& picture, Frame& frame) const {
-    try {
-      const QuietStandardError quiet;
-      frame.bgr = cv::imread(picture.path, cv::IMREAD_COLOR);  // turned as its EXIF says
-    } catch (const cv::Exception&) {
-      frame.bgr.release();
-    }
-    if (frame.bgr.empty()) throw Error(picture.path, "is not a picture that can be read");
-    if (is_cut_short(picture.path)) throw Error(picture.path, "breaks off");  // the rest is grey
+  void load(const Picture& picture, Frame& frame) {
+    if (picture.path != loaded_path_) decode(picture.path);
+    loaded_.copyTo(frame.bgr);
     frame.index = picture.number - pictures_.front().number;
     frame.time_s = static_cast<double>(frame.index) / kPictureFps;
   }
 
+  void decode(const std::string& path) {
+    try {
+      const QuietStandardError quiet;
+      loaded_ = cv::imread(path, cv::IMREAD_COLOR);  // turned as its EXIF says
+    } catch (const cv::Exception&) {
+      loaded_.release();
+    }
+    if (loaded_.empty()) throw Error(path, "is not a picture that can be read");
+    if (is_cut_short(path)) throw Error(path, "breaks off");  // the rest is grey
+    loaded_path_ = path;
+  }
+
   std::vector<Picture> pictures_;
   std::size_t next_ = 0;
+  cv::Mat loaded_;
+  std::string loaded_path_;
   SourceInfo info_;
 };
 
@@ -127,7 +137,9 @@ bool is_picture_pattern(const std::string& path) {
 std::unique_ptr<FrameSource> open_pictures(const std::string& path) {
   std::error_code fault;
   if (fs::exists(path, fault)) {
-    return std::make_unique<PictureSource>(path, std::vector<Picture>{{path, 0}});
+    std::vector<Picture> held;
+    for (std::int64_t i = 0; i < kHeldFrames; ++i) held.push_back({path, i});
+    return std::make_unique<PictureSource>(path, std::move(held));
   }
   const Pattern pattern = *pattern_of(fs::path(path).filename().string());
   const fs::path folder = fs::path(path).parent_path();

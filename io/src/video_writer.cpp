@@ -31,6 +31,8 @@ std::vector<int> codecs_for(const std::string& path) {
   throw Error(path, "its name must end in .mp4, .mov, .mkv or .avi");
 }
 
+constexpr double kLongestPause_s = 10;
+
 // OpenCV says of no write whether it succeeded. What hinders one now most likely hindered it
 // before.
 std::string reason_against_writing(const std::string& path) {
@@ -44,7 +46,7 @@ std::string reason_against_writing(const std::string& path) {
 }  // namespace
 
 VideoWriter::VideoWriter(const std::string& path, int width_px, int height_px, double fps)
-    : file_((codecs_for(path), path)) {
+    : file_((codecs_for(path), path)), fps_(fps) {
   silence_libraries();
   for (const int codec : codecs_for(path)) {
     try {
@@ -61,9 +63,20 @@ VideoWriter::VideoWriter(const std::string& path, int width_px, int height_px, d
                         std::to_string(height_px) + " pixels was found");
 }
 
-void VideoWriter::write(const cv::Mat& bgr) {
+void VideoWriter::put(const cv::Mat& bgr) {
   writer_.write(bgr);
   ++frames_;
+}
+
+void VideoWriter::write(const cv::Mat& bgr, double time_s) {
+  const double written_s = static_cast<double>(frames_) / fps_;
+  start_s_ = frames_ == 0 ? time_s : std::max(start_s_, time_s - written_s - kLongestPause_s);
+  // A frame's jitter is no reason to show one twice, or not at all.
+  double late = (time_s - start_s_ - written_s) * fps_;
+  for (; late > 1; --late) put(last_);
+  if (late < -1) return;
+  put(bgr);
+  bgr.copyTo(last_);
 }
 
 void VideoWriter::finish() {

@@ -11,6 +11,13 @@ namespace handyar::io {
 
 using Json = nlohmann::ordered_json;
 
+/// "[json.exception.parse_error.101] parse error at ...": the code is for programmers.
+inline std::string fault_of(const Json::exception& e) {
+  std::string what = e.what();
+  if (const auto end = what.find("] "); end != std::string::npos) what.erase(0, end + 2);
+  return what;
+}
+
 /// Runs `read` on the parsed text; what the JSON library has to say against it becomes an Error
 /// that begins with `name`.
 template <class Read>
@@ -18,10 +25,7 @@ auto parse_json(std::string_view text, std::string_view name, Read read) {
   try {
     return read(Json::parse(text));
   } catch (const Json::exception& e) {
-    // "[json.exception.parse_error.101] parse error at ...": the code is for programmers
-    std::string what = e.what();
-    if (const auto end = what.find("] "); end != std::string::npos) what.erase(0, end + 2);
-    throw Error(name, "is not valid JSON: " + what);
+    throw Error(name, "is not valid JSON: " + fault_of(e));
   }
 }
 
