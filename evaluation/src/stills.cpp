@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/evaluation/stills.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -16,6 +13,7 @@
 
 #include "handyar/io/error.hpp"
 #include "handyar/io/pending_file.hpp"
+#include "handyar/io/quiet_standard_error.hpp"
 
 namespace handyar::evaluation {
 namespace {
@@ -121,31 +119,11 @@ class Reader {
   fs::path folder_;
 };
 
-/// libpng and libjpeg complain on standard error directly; no setting of OpenCV's stops that.
-class QuietStandardError {
- public:
-  QuietStandardError() : saved_(::dup(STDERR_FILENO)) {
-    const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-    if (saved_ >= 0 && null >= 0) ::dup2(null, STDERR_FILENO);
-    if (null >= 0) ::close(null);
-  }
-  ~QuietStandardError() {
-    if (saved_ < 0) return;
-    ::dup2(saved_, STDERR_FILENO);
-    ::close(saved_);
-  }
-  QuietStandardError(const QuietStandardError&) = delete;
-  QuietStandardError& operator=(const QuietStandardError&) = delete;
-
- private:
-  int saved_;
-};
-
 /// In the pixels as stored, whatever turn the file notes: the annotations are in these.
 cv::Mat read_picture(const std::string& path) {
   cv::Mat picture;
   try {
-    const QuietStandardError quiet;
+    const io::QuietStandardError quiet;
     picture = cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {
   }

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "handyar/io/error.hpp"
+#include "handyar/io/json.hpp"
 #include "handyar/opencv/aruco.hpp"
 
 namespace handyar::evaluation {
@@ -145,13 +145,13 @@ double TruthFrame::tilt_rad() const {
 Truth read_truth(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw io::Error(file.string(), "cannot be read");
+  const std::string fault = "not a sequence's truth: ";
   try {
     return parse(json::parse(in));
+  } catch (const json::exception& e) {
+    throw io::Error(file.string(), fault + io::fault_of(e));
   } catch (const std::exception& e) {
-    // "[json.exception.parse_error.101] parse error at ...": the code is for programmers
-    std::string what = e.what();
-    if (what.starts_with("[json.")) what.erase(0, what.find("] ") + 2);
-    throw io::Error(file.string(), "not a sequence's truth: " + what);
+    throw io::Error(file.string(), fault + e.what());
   }
 }
 
