@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "container.hpp"
 
-#include <array>
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -78,31 +79,66 @@ bool avi_cut_short(Bytes& file) {
   return false;
 }
 
+bool is_avi(std::string_view head) {
+  return head.size() == 12 && head.substr(0, 4) == "RIFF" && head.substr(8) == "AVI ";
+}
+
+// RIFF and LIST hold the other chunks; what lies behind a RIFF may be anything.
+bool avi_chain_broken(Bytes& file) {
+  std::uint64_t at = 0, end = 0;
+  while (at < file.size()) {
+    const std::string head = file.read(at, 8);
+    const bool riff = head.starts_with("RIFF"), list = head.starts_with("LIST");
+    if (head.size() < 8 || (at >= end && !riff)) return false;
+    const auto printed = [](char c) { return c >= ' ' && c <= '~'; };
+    if (!std::all_of(head.begin(), head.begin() + 4, printed)) return true;
+    const std::uint64_t length = little_endian(std::string_view(head).substr(4));
+    if (riff) end = at + 8 + length;
+    at += riff || list ? 12 : 8 + length + (length & 1);
+  }
+  return at > file.size() + 1;  // the last may lack its filler
+}
+
+constexpr std::string_view kEbml = "\x1a\x45\xdf\xa3", kSegment = "\x18\x53\x80\x67",
+                           kCluster = "\x1f\x43\xb6\x75";
+
 struct Element {
+  std::string id;  ///< empty: there is none
   std::uint64_t data_at = 0, length = 0;
   bool known = false;  ///< the length is stated
 };
 
-// RFC 8794: an identifier, then a length whose first byte says how many bytes it has.
+// RFC 8794: an identifier, then a length; the first byte of either says how many bytes it has.
 Element ebml_element(Bytes& file, std::uint64_t at) {
-  const std::string head = file.read(at + 4, 8);  // both identifiers asked about have four bytes
-  if (head.empty()) return {};
-  const auto first = static_cast<std::uint8_t>(head[0]);
-  std::size_t count = 1;
-  while (count <= 8 && (first & (0x80u >> (count - 1))) == 0) ++count;
-  if (count > 8 || head.size() < count) return {};
+  const std::string head = file.read(at, 12);
+  const auto bytes_at = [&](std::size_t i) -> std::size_t {
+    return i < head.size() ? std::countl_zero(static_cast<std::uint8_t>(head[i])) + 1 : 9;
+  };
+  const std::size_t id_bytes = bytes_at(0), count = bytes_at(id_bytes);
+  if (id_bytes > 4 || count > 8 || head.size() < id_bytes + count) return {};
   const std::uint64_t mask = (std::uint64_t{1} << (7 * count)) - 1;
-  const std::uint64_t length = big_endian(std::string_view(head).substr(0, count)) & mask;
-  return {at + 4 + count, length, length != mask};
+  const std::uint64_t length = big_endian(std::string_view(head).substr(id_bytes, count)) & mask;
+  return {head.substr(0, id_bytes), at + id_bytes + count, length, length != mask};
 }
 
 bool matroska_cut_short(Bytes& file) {
   const Element header = ebml_element(file, 0);
   if (!header.known || header.length > file.size()) return header.known;
-  const std::uint64_t at = header.data_at + header.length;
-  if (file.read(at, 4) != "\x18\x53\x80\x67") return false;
-  const Element segment = ebml_element(file, at);
-  return segment.known && segment.data_at + segment.length > file.size();
+  const Element segment = ebml_element(file, header.data_at + header.length);
+  return segment.id == kSegment && segment.known && segment.data_at + segment.length > file.size();
+}
+
+// Segment and clusters hold the other elements.
+bool matroska_chain_broken(Bytes& file) {
+  std::uint64_t at = 0, end = file.size();
+  while (at < end) {
+    const Element element = ebml_element(file, at);
+    const bool holds_elements = element.id == kSegment || element.id == kCluster;
+    if (element.id.empty() || (!holds_elements && !element.known)) return true;
+    if (element.id == kSegment && element.known) end = element.data_at + element.length;
+    at = element.data_at + (holds_elements ? 0 : element.length);
+  }
+  return at > end;
 }
 
 // ITU T.81: segments with their length behind two bytes of marker, up to the picture's data, in
@@ -127,12 +163,17 @@ bool is_cut_short(const std::string& path) {
   if (head.size() < 12) return false;
   bool fragmented = false;
   if (is_mp4(head)) return mp4_cut_short(file, fragmented);
-  if (head.compare(0, 4, "RIFF") == 0 && head.compare(8, 4, "AVI ") == 0) {
-    return avi_cut_short(file);
-  }
-  if (head.compare(0, 4, "\x1a\x45\xdf\xa3") == 0) return matroska_cut_short(file);
+  if (is_avi(head)) return avi_cut_short(file);
+  if (head.starts_with(kEbml)) return matroska_cut_short(file);
   if (head.compare(0, 3, "\xff\xd8\xff") == 0) return jpeg_cut_short(file);
   return false;
+}
+
+bool is_chain_broken(const std::string& path) {
+  Bytes file(path);
+  const std::string head = file.read(0, 12);
+  return is_avi(head) ? avi_chain_broken(file)
+                      : head.starts_with(kEbml) && matroska_chain_broken(file);
 }
 
 bool indexes_every_frame(const std::string& path) {

@@ -11,6 +11,10 @@ namespace handyar::io {
 /// frames that are not to be shown.
 bool is_cut_short(const std::string& path);
 
+/// True when in an AVI, Matroska or WebM one part does not follow the other: their readers go on at
+/// the next that they find, and say nothing.
+bool is_chain_broken(const std::string& path);
+
 /// True for an MP4 or MOV whose one index lists every frame: one that cannot be found is lost.
 bool indexes_every_frame(const std::string& path);
 

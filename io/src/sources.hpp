@@ -18,8 +18,8 @@ bool is_picture(const std::string& path);
 /// Whether the file name holds a %d or %0Nd.
 bool is_picture_pattern(const std::string& path);
 
-/// How many frames a video file holds up to the first that cannot be found, without decoding any.
-std::int64_t count_packets(const std::string& path);
+/// How many frames are found in a video file, `most` at most, without decoding any.
+std::int64_t count_packets(const std::string& path, std::int64_t most);
 
 /// Throws Error when HandTracker does not take such frames.
 void require_usable(const Frame& frame, const std::string& name);

@@ -131,18 +131,21 @@ class VideoSource final : public FrameSource {
       ++failures;
       if (decoded_ + ++failed_ >= info_.frame_count || failures == kMaxFailures) return false;
     }
-    damaged_ |= failures > 0 && decoded_ > 0;
+    failed_between_ |= failures > 0 && decoded_ > 0;
     turn(frame.bgr, clockwise_deg_);
     frame.time_s = clock_.next(capture_.get(cv::CAP_PROP_POS_MSEC) / 1000.0);
     frame.index = decoded_++;
     return true;
   }
 
-  // Frames that fail at the end are not told from those that a cut left unshown, but the latter
-  // are in the file.
+  // The count alone does not tell (is_cut_short), nor does a failure: OpenCV also gives up for once
+  // where sound goes on through a long pause of the picture.
   bool is_damaged() const {
-    return damaged_ || (decoded_ < info_.frame_count && indexes_every_frame(info_.name) &&
-                        count_packets(info_.name) < info_.frame_count);
+    if (decoded_ >= info_.frame_count) return false;
+    if (is_chain_broken(info_.name)) return true;
+    const std::int64_t packets = count_packets(info_.name, info_.frame_count);
+    return (failed_between_ && decoded_ < packets) ||
+           (indexes_every_frame(info_.name) && packets < info_.frame_count);
   }
 
   std::string frames_read() const {
@@ -156,19 +159,25 @@ class VideoSource final : public FrameSource {
   SourceInfo info_;
   FrameClock clock_{kDefaultFps};
   Frame ahead_;
-  bool has_ahead_ = false, cut_short_ = false, damaged_ = false;
+  bool has_ahead_ = false, cut_short_ = false, failed_between_ = false;
   int clockwise_deg_ = 0;
   std::int64_t decoded_ = 0, failed_ = 0;
 };
 
 }  // namespace
 
-std::int64_t count_packets(const std::string& path) {
+std::int64_t count_packets(const std::string& path, std::int64_t most) {
   std::int64_t count = 0;
   try {
     cv::VideoCapture capture(path, cv::CAP_FFMPEG);
     capture.set(cv::CAP_PROP_FORMAT, -1);  // packets as they are
-    while (capture.grab()) ++count;
+    for (int failures = 0; failures < kMaxFailures && count < most;) {
+      if (capture.grab()) {
+        ++count;
+      } else {
+        ++failures;
+      }
+    }
   } catch (const cv::Exception&) {
   }
   return count;

@@ -84,7 +84,7 @@ void VideoWriter::finish() {
   std::error_code fault;
   if (std::filesystem::is_regular_file(file_.path(), fault) &&
       (std::filesystem::file_size(file_.path(), fault) == 0 || is_cut_short(file_.path()) ||
-       count_packets(file_.path()) < frames_)) {
+       count_packets(file_.path(), frames_) < frames_)) {
     throw Error(file_.target(), "cannot be written whole" + reason_against_writing(file_.path()));
   }
   file_.commit();
