@@ -186,7 +186,8 @@ TEST_F(IoTest, FaultyCameraFilesAreRefusedByField) {
            "camera_matrix: !!opencv\xb6:-.-mia",
            // OpenCV alone runs out of stack
            "a: " + std::string(200000, '['), "{\"a\": " + std::string(200000, '['),
-           "a:\n  " + repeated("- ", 200000), "a: " + repeated("{b: ", 200000),
+           "a:\n  " + repeated("- ", 200000), "a:\n  " + std::string(200000, '-') + "x",
+           repeated("a: ", 200000) + "x", "a: " + repeated("{b: ", 200000),
            "<?xml version=\"1.0\"?>\n<opencv_storage>" + repeated("<a>", 200000)}) {
     EXPECT_NE(fault_of([&] { parse_camera(text, "c.yml"); }), "") << text.substr(0, 100);
   }

@@ -17,7 +17,7 @@ namespace handyar::io {
 namespace {
 
 constexpr int kMaxSide_px = 65536;
-constexpr int kMaxBegun = 2000;  // lists and maps in a file
+constexpr int kMaxBegun = 5000;  // values that may hold others; four times as many fit the stack
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf", kFirstLines = "%YAML:1.0\n---\n";
 
 // After the end of a document OpenCV 4.6 never returns from a line that begins with a dash. So all
@@ -37,13 +37,14 @@ bool has_stray_line(std::string_view yaml) {
   return false;
 }
 
-// OpenCV calls itself for each list or map within another, as deep as they go. How deep that is
-// need not be known when there are few altogether.
+// OpenCV calls itself for each value within another, as deep as they go. How deep that is need not
+// be known when there are few altogether: brackets, tags, keys and dashes before no number.
 bool nests_too_deep(std::string_view text) {
   int begun = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool item = text[i] == '-' && i + 1 < text.size() && text[i + 1] == ' ';
-    begun += item || text[i] == '[' || text[i] == '{' || text[i] == '<';
+    const char next = i + 1 < text.size() ? text[i + 1] : ' ';
+    const bool item = text[i] == '-' && next != '.' && (next < '0' || next > '9');
+    begun += item || std::string_view("[{<:").find(text[i]) != std::string_view::npos;
   }
   return begun > kMaxBegun;
 }
