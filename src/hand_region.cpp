@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <utility>
 
 #include "vectorised.hpp"
 
@@ -140,22 +141,84 @@ void RegionFinder::grow_back(int radius) noexcept {
 }
 
 const Component* RegionFinder::segment(const BinView& image, std::span<const std::int8_t> ratios,
-                                       const ExpectedRegion& expected, const Eigen::Vector2f& palm,
-                                       float finger_width, int min_area) noexcept {
+                                       const ExpectedRegion& expected, const ExpectedHand& hand,
+                                       int min_area) noexcept {
   classify(image, ratios, expected);
-  remove_thin(std::max(1, static_cast<int>(0.14f * finger_width + 0.5f)));
-  const Component* hand = keep_at(palm, min_area);
-  if (hand == nullptr || expected.one_for_all()) return hand;
+  remove_thin(std::max(1, static_cast<int>(0.14f * hand.finger_width + 0.5f)));
+  const Component* region = component_of(hand, min_area);
+  if (region == nullptr || expected.one_for_all()) return region;
   // Edges have cut the region: its border comes back, what hung on by a thread does not.
-  grow_back(static_cast<int>(0.18f * finger_width + 0.5f));
-  return keep_at(palm, min_area);
+  grow_back(static_cast<int>(0.18f * hand.finger_width + 0.5f));
+  return component_of(hand, min_area);
 }
 
-const Component* RegionFinder::keep_at(const Eigen::Vector2f& p, int min_area) noexcept {
+const Component* RegionFinder::component_of(const ExpectedHand& hand, int min_area) noexcept {
+  const int u = static_cast<int>(hand.palm.x()), v = static_cast<int>(hand.palm.y());
   components(min_area);
-  const Component* component = component_at(static_cast<int>(p.x()), static_cast<int>(p.y()));
-  if (component != nullptr) keep_only(*component);
+  const Component* component = component_at(u, v);
+  if (component == nullptr) return nullptr;
+  bool joined = false;
+  for (const ExpectedHand::Finger& finger : hand.fingers)
+    joined |= join(finger, hand.finger_width, component->label);
+  if (joined) {
+    components(min_area);
+    component = component_at(u, v);
+    if (component == nullptr) return nullptr;
+  }
+  keep_only(*component);
   return component;
+}
+
+bool RegionFinder::join(const ExpectedHand::Finger& finger, float finger_width,
+                        int label) noexcept {
+  const float longest = 0.8f * finger_width, enough = 0.4f * finger_width;  // of gap and finger
+  const float length = (finger.tip - finger.base).norm();
+  if (!(length > finger_width)) return false;
+  const Eigen::Vector2f along = (finger.tip - finger.base) / length;
+  const Eigen::Vector2f across = finger_width * Eigen::Vector2f(-along.y(), along.x());
+  // What is set at a station along the finger; a finger is seldom just where it is expected.
+  float shift = 0;
+  const auto label_along = [&](float s) {
+    for (const float t : {0.0f, 0.25f, -0.25f}) {
+      const int found = label_at(finger.base + s * along + t * across);
+      if (found >= 0) shift = t;
+      if (found >= 0) return found;
+    }
+    return -1;
+  };
+  const auto width_at = [&](float s, int of) {  // in finger widths, as far as it matters
+    float width = 0;
+    for (float t = -1; t <= 1; t += 0.1f)
+      width += label_at(finger.base + s * along + (shift + t) * across) == of ? 0.1f : 0.0f;
+    return width;
+  };
+  if (label_along(length - enough) == label) return false;
+  float end = -std::numeric_limits<float>::max();  // of the hand
+  for (float s = -finger_width; s < length; ++s) {
+    const int here = label_along(s);
+    if (here == label) end = s;
+    if (here == label || here < 0 || s - end > longest) continue;
+    const float before = width_at(end - 1, label), beyond = width_at(s + enough, here);
+    if (before < 0.6f || beyond < 0.6f || beyond > 1.5f) return false;
+    for (float at = end; at <= s; at += 0.5f)
+      for (float t = -0.35f; t <= 0.35f; t += 0.5f / finger_width) {
+        const Eigen::Vector2f p = finger.base + at * along + (shift + t) * across;
+        mask_.set(p);
+        colored_.set(p);
+      }
+    return true;
+  }
+  return false;
+}
+
+int RegionFinder::label_at(const Eigen::Vector2f& p) const noexcept {
+  if (!mask_.holds(p)) return -1;
+  const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
+  const auto before = [](const Run& r, const std::pair<int, int>& at) {
+    return r.v < at.first || (r.v == at.first && r.u1 <= at.second);
+  };
+  const auto runs = runs_.begin();
+  return std::lower_bound(runs, runs + run_count_, std::pair(v, u), before)->label;
 }
 
 int RegionFinder::root(int run) noexcept {

@@ -404,8 +404,7 @@ bool HandSearch::try_proposal(const BinView& image, const SkinModel& skin,
   view.deviation = static_cast<float>(shape_config_.max_deviation);
   bool found = false;
   for (ExpectedRegion* where : {&anywhere_, &expectation_}) {
-    const Component* c =
-        stages_.region.segment(part, proposed_, *where, hand.palm(), hand.finger_width, min_area);
+    const Component* c = stages_.region.segment(part, proposed_, *where, hand.parts(), min_area);
     if (c == nullptr || !stages_.contour.trace(stages_.region.mask(), *c) ||
         !try_region(hand.palm_radius(), view))
       continue;

@@ -139,6 +139,12 @@ bool HandReach::holds(const Eigen::Vector2f& p) const noexcept {
   });
 }
 
+ExpectedHand HandShape::parts() const noexcept {
+  ExpectedHand hand{palm(), finger_width, {}};
+  for (int f = 0; f < kFingerCount; ++f) hand.fingers[f] = {finger_base(f), tips[f]};
+  return hand;
+}
+
 void HandShape::expect(int width, int height, ExpectedRegion& region) const noexcept {
   struct Capsule {
     HandAxis axis;

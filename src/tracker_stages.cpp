@@ -38,9 +38,8 @@ bool HandTracker::Impl::read_neighbourhood(const ImageView& frame, bool anew) no
 /// component and contour.
 bool HandTracker::Impl::segment(bool where_expected) noexcept {
   if (where_expected) expected.expect(bins.width, bins.height, expectation);
-  const Component* hand =
-      stages.region.segment(bins, skin.ratios(), where_expected ? expectation : anywhere,
-                            expected.palm(), expected.finger_width, least_area());
+  const Component* hand = stages.region.segment(
+      bins, skin.ratios(), where_expected ? expectation : anywhere, expected.parts(), least_area());
   colorless = false;
   return trace(hand);
 }

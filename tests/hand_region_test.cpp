@@ -162,6 +162,30 @@ TEST(HandRegion, AnEdgeCutsWhatHasTheHandsColourAndTheBorderGrowsBack) {
   EXPECT_EQ(region.components(100).size(), 1u);
 }
 
+TEST(HandRegion, AFingerThatARingCutsOffIsJoinedToItsHand) {
+  constexpr int kFingerWidth = 12;
+  const ExpectedHand::Finger finger{{40, 60}, {43, 12}}, away{{90, 60}, {90, 12}};  // a bit aslant
+  const ExpectedHand expected{{40, 80}, kFingerWidth, {finger, away, away, away, away}};
+  for (const int ring : {0, 3, 6, 16, 24}) {
+    const BinImage image = picture_of(120, 100, [&](int u, int v) {
+      const bool palm = v >= 62 && u >= 10 && u < 70;
+      const bool in_finger = u >= 36 && u < 36 + kFingerWidth && v >= 10 && v < 62;
+      const bool other = u >= 60 && u < 72 && v >= 10 && v < 40;  // of no finger that is expected
+      return other || palm || (in_finger && (v < 46 || v >= 46 + ring)) ? kHand : kSky;
+    });
+    RegionFinder region;
+    region.reserve(120 * 100);
+    for (const bool by_place : {false, true}) {
+      ExpectedRegion place;
+      place.ratios = {by_place ? std::int8_t{0} : ExpectedRegion::kInside};
+      ASSERT_NE(region.segment(image, hand_like({kHand}), place, expected, 200), nullptr);
+      EXPECT_EQ(region.mask().holds({42, 20}), ring < kFingerWidth) << ring;
+      EXPECT_FALSE(region.mask().holds({66, 20})) << ring;
+      EXPECT_TRUE(region.mask().holds({40, 80}));
+    }
+  }
+}
+
 TEST(HandRegion, TheComponentAtAPointOrNearestToIt) {
   DrawnMask two(100, 60, [](int u, int v) {
     return (u >= 10 && u < 30 && v >= 10 && v < 50) || (u >= 60 && v >= 20 && v < 30);

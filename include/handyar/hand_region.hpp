@@ -2,11 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "handyar/color_bins.hpp"
+#include "handyar/hand_model.hpp"
 #include "handyar/mask.hpp"
 
 namespace handyar {
@@ -21,6 +23,16 @@ struct ExpectedRegion {
 
   bool one_for_all() const noexcept { return columns == 1; }
   const std::int8_t* row(int v) const noexcept { return ratios.data() + v / cell * columns; }
+};
+
+/// Where the parts of a hand are expected, in mask pixels.
+struct ExpectedHand {
+  struct Finger {
+    Eigen::Vector2f base, tip;
+  };
+  Eigen::Vector2f palm;
+  float finger_width;
+  std::array<Finger, kFingerCount> fingers;
 };
 
 /// A connected component (8 neighbours) of a mask, in mask pixels.
@@ -69,12 +81,12 @@ class RegionFinder {
   /// The component that holds (u, v) or else the one nearest to it; null when there is none.
   const Component* component_at(int u, int v) const noexcept;
 
-  /// Segmentation of a hand (paper 2.1) whose palm is about `palm` and whose fingers are
-  /// `finger_width` wide: mask = the component there alone. Null when nothing of at least
+  /// Segmentation of a hand (paper 2.1) that is about where it is expected: mask = the component at
+  /// its palm alone, fingers included that a ring has cut off. Null when nothing of at least
   /// `min_area` pixels is there.
   const Component* segment(const BinView& image, std::span<const std::int8_t> ratios,
-                           const ExpectedRegion& expected, const Eigen::Vector2f& palm,
-                           float finger_width, int min_area) noexcept;
+                           const ExpectedRegion& expected, const ExpectedHand& hand,
+                           int min_area) noexcept;
 
   /// Clears all other components from the mask.
   void keep_only(const Component& component) noexcept;
@@ -86,7 +98,13 @@ class RegionFinder {
 
  private:
   void expect_row(const ExpectedRegion& expected, int v) noexcept;
-  const Component* keep_at(const Eigen::Vector2f& p, int min_area) noexcept;
+  /// The component at the palm alone, with the fingers that join() gives it.
+  const Component* component_of(const ExpectedHand& hand, int min_area) noexcept;
+  /// Where a ring has cut the end of a finger off the component of that label: bridges the gap, if
+  /// it is shorter than a finger is wide, in the mask. True when there was one.
+  bool join(const ExpectedHand::Finger& finger, float finger_width, int label) noexcept;
+  /// Of the component that holds `p`, after components(); -1: none.
+  int label_at(const Eigen::Vector2f& p) const noexcept;
   struct Run {
     std::int16_t v, u0, u1;  ///< u0 <= u < u1
     std::int16_t label;      ///< union-find parent, then component label

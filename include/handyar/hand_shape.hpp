@@ -57,6 +57,9 @@ struct HandShape {
   /// Box around fingers, palm and wrist.
   Eigen::AlignedBox2f bounds() const noexcept;
 
+  /// Where its palm and fingers are.
+  ExpectedHand parts() const noexcept;
+
   /// Where a picture of `width` x `height` pixels shows this hand, give or take half a finger.
   void expect(int width, int height, ExpectedRegion& region) const noexcept;
 

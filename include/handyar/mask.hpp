@@ -34,6 +34,11 @@ struct Mask {
     const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
     return u >= 0 && v >= 0 && u < width && v < height && at(u, v);
   }
+  /// Sets that pixel; outside nothing.
+  void set(const Eigen::Vector2f& p) noexcept {
+    const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
+    if (u >= 0 && v >= 0 && u < width && v < height) row(v)[u >> 6] |= std::uint64_t{1} << (u & 63);
+  }
   /// Sets row v from `width` bytes of 0 or 1; the row's last word is read to its end.
   void set_row(int v, const std::uint8_t* flags) noexcept;
   void set_run(int v, int u0, int u1) noexcept;  ///< u0 <= u < u1, within the row
