@@ -141,7 +141,7 @@ bool HandReach::holds(const Eigen::Vector2f& p) const noexcept {
 
 ExpectedHand HandShape::parts() const noexcept {
   ExpectedHand hand{palm(), finger_width, {}};
-  for (int f = 0; f < kFingerCount; ++f) hand.fingers[f] = {finger_base(f), tips[f]};
+  for (int f = 1; f < kFingerCount; ++f) hand.fingers[f - 1] = {finger_base(f), tips[f]};
   return hand;
 }
 

@@ -32,7 +32,7 @@ struct ExpectedHand {
   };
   Eigen::Vector2f palm;
   float finger_width;
-  std::array<Finger, kFingerCount> fingers;
+  std::array<Finger, kFingerCount - 1> fingers;  ///< without the thumb, which wears no ring
 };
 
 /// A connected component (8 neighbours) of a mask, in mask pixels.
