@@ -67,8 +67,10 @@ void for_words(Word* row, int u0, int u1, Change change) {
 }  // namespace
 
 void Mask::reserve(int max_pixels, int max_side) {
-  // At worst each row begins a word that it hardly uses.
-  words.resize(max_pixels / 64 + 2 * (max_side + 2 * kMargin) + 2 * kMargin * words_for(max_side));
+  // Of the words of a row at most (kMargin + 63) / 64 hold no pixel, in the margin above and below
+  // none does.
+  words.resize(max_pixels / 64 + (kMargin + 63) * max_side / 64 + 1 +
+               2 * kMargin * words_for(max_side));
 }
 
 void Mask::resize(int new_width, int new_height) noexcept {

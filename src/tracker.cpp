@@ -32,6 +32,7 @@ void HandTracker::Impl::forget() noexcept {
   time_s = -std::numeric_limits<double>::infinity();
   state = State::searching;
   following = false;
+  noisy = false;
   own_shape.reset();
   contour_size = 0;
   seen_frames = 0;
@@ -47,6 +48,7 @@ void HandTracker::Impl::prepare(const ImageView& frame) {
   const int longer_px = std::max(width_px, height_px), step = tracking_step();
   const int width = width_px / step, height = height_px / step, longer = longer_px / step;
   bins.bins.resize(width * height);
+  chroma.reserve(width);
   stages.reserve(width * height, longer);
   expectation.ratios.resize((width / 2 + 1) * (height / 2 + 1));  // cells of 2 or more
   silhouette.reserve(width * height, longer);

@@ -41,6 +41,8 @@ struct HandTracker::Impl {
   bool adopt_found(const ImageView& frame) noexcept;
 
   // tracker_stages.cpp: in the order of the paper's Figure 2.
+  bool read(const ImageView& frame, const PixelRect& part, int step, double noise,
+            int radius) noexcept;
   bool read_neighbourhood(const ImageView& frame, bool anew) noexcept;
   bool segment(bool where_expected) noexcept;
   bool follow_outline() noexcept;
@@ -100,6 +102,7 @@ struct HandTracker::Impl {
   MaskStages stages;
   HandSearch search;
   BinImage bins;  // of the neighbourhood, or of the whole frame while searching it
+  ChromaSmoother chroma;
   ExpectedRegion expectation;
   const ExpectedRegion anywhere{.ratios = {ExpectedRegion::kInside}};
   PoseFilter filter;
@@ -112,6 +115,7 @@ struct HandTracker::Impl {
   State state = State::searching;
   bool following = false;      // `shape` tells where the hand was in the last frame
   HandShape shape;             // input pixels
+  bool noisy = false;          // colours around it were averaged in the last frame
   bool promising = false;      // `found` was refused, but not by much
   HandShape before, expected;  // mask pixels of this frame: `shape`, and where it should be now
   HandShape found;             // mask pixels of this frame

@@ -7,7 +7,7 @@ namespace handyar {
 /// The whole frame at reduced size, by shape (paper 2.2). True when `shape` is new: a hand, or one
 /// more like a hand than the one that is being acquired.
 bool HandTracker::Impl::find_anywhere(const ImageView& frame) noexcept {
-  read_bins(frame, {0, 0, width_px, height_px}, search_step(), bins);
+  read(frame, {0, 0, width_px, height_px}, search_step(), config.noise.searched, 1);
   HandShape coarse;
   found_again.reset();
   if (!search.find(bins, skin, coarse)) return false;
@@ -71,7 +71,8 @@ void HandTracker::Impl::forget_found() noexcept {
 bool HandTracker::Impl::adopt_found(const ImageView& frame) noexcept {
   const BinView& seen = search.image();
   const int step = seen.step_px;
-  read_bins(frame, {seen.x0_px, seen.y0_px, seen.width * step, seen.height * step}, step, bins);
+  read(frame, {seen.x0_px, seen.y0_px, seen.width * step, seen.height * step}, step,
+       config.noise.searched, 1);
   before = expected = to_mask(shape);
   colorless = false;
   return trace(search.mask());

@@ -23,11 +23,25 @@ PixelRect HandTracker::Impl::region_of_interest(double dt_s) const noexcept {
           static_cast<int>(std::ceil(high.y())) - static_cast<int>(low.y())};
 }
 
+/// Leaves bins: a part of the frame at 1/step of its size. Where their chroma is noisier than
+/// `noise` it is averaged over `radius` bins around, and the answer is true.
+bool HandTracker::Impl::read(const ImageView& frame, const PixelRect& part, int step, double noise,
+                             int radius) noexcept {
+  read_bins(frame, part, step, bins);
+  const bool averaged = chroma_noise(bins) > noise;
+  if (averaged) chroma.smooth(radius, bins);
+  return averaged;
+}
+
 /// The neighbourhood of where the hand is expected: leaves bins, and the last shape in them as it
 /// was and as it is expected to be now; `anew`, `shape` is of this frame.
 bool HandTracker::Impl::read_neighbourhood(const ImageView& frame, bool anew) noexcept {
   const double dt = anew ? 0.0 : std::min(time_s - seen_s, 0.1);
-  read_bins(frame, region_of_interest(dt), tracking_step(), bins);
+  const int step = tracking_step();
+  const double finger_bins = shape.finger_width / static_cast<float>(step);
+  noisy = read(frame, region_of_interest(dt), step,
+               config.noise.tracked * (noisy ? config.noise.lasting : 1),
+               std::max(1, static_cast<int>(config.noise.width_share * finger_bins)));
   before = to_mask(shape);
   expected = before.transformed(
       1, static_cast<float>(dt) / static_cast<float>(bins.step_px) * velocity_px_s);

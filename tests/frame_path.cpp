@@ -4,6 +4,7 @@
 // without vectors.
 #include "frame_path.hpp"
 
+#include "handyar/chroma_noise.hpp"
 #include "handyar/hand_search.hpp"
 
 namespace handyar {
@@ -28,7 +29,13 @@ FramePath read_colors(const FrameBytes& f, int step_px) {
   BinImage bins;
   bins.bins.resize(static_cast<std::size_t>(width) * height);
   read_bins(frame, {4, 2, width - 10, height - 5}, step_px, bins);
-  return {bins.used().begin(), bins.used().end()};
+  FramePath path{bins.used().begin(), bins.used().end()};
+  path.push_back(chroma_noise(bins));
+  ChromaSmoother chroma;
+  chroma.reserve(width);
+  chroma.smooth(step_px, bins);
+  path.insert(path.end(), bins.used().begin(), bins.used().end());
+  return path;
 }
 
 FramePath look_for_hand(const FrameBytes& f) {

@@ -226,6 +226,27 @@ TEST(Tracker, ANewHandHardlyGrowsTogetherWithWhatItTouches) {
   EXPECT_GT(misread_thumbs(at_any_leap), misread_thumbs({}) + 2);
 }
 
+/// In how many of 60 frames of a camera in dim light, before a board of nearly its colour, a hand
+/// is tracked and its tips are right.
+int right_in_dim_light(const Config& config) {
+  Film film(config);
+  film.noise = 20;
+  film.background.emplace(film.camera.width_px, film.camera.height_px);
+  film.textured = true;
+  film.background->paint([](const Eigen::Vector2d&) { return -1.0; }, 1, {130, 150, 190});
+  int right = 0;
+  for (int i = 0; i < 60; ++i)
+    right += film.next().state == State::tracking && film.worst_tip_px() < 8;
+  return right;
+}
+
+TEST(Tracker, AveragesColoursWhereTheyAreNoisy) {
+  Config as_they_are;
+  as_they_are.noise.tracked = as_they_are.noise.searched = 100;
+  EXPECT_LT(right_in_dim_light(as_they_are), 10);
+  EXPECT_GT(right_in_dim_light({}), 45);
+}
+
 class TrackerNeverAcquires : public testing::TestWithParam<std::string> {};
 
 TEST_P(TrackerNeverAcquires, WhatIsNoOutstretchedHand) {

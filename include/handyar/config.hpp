@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "handyar/chroma_noise.hpp"
 #include "handyar/fingertips.hpp"
 #include "handyar/hand_search.hpp"
 #include "handyar/hand_shape.hpp"
@@ -32,6 +33,7 @@ struct AcquisitionConfig {
 /// All settings, a struct per stage; the defaults are what the command line uses.
 struct Config {
   bool half_resolution = false;  ///< segment and find fingertips at half the input's size
+  ChromaNoiseConfig noise;
   SkinModelConfig skin;
   HandSearchConfig search;
   FingertipConfig fingertips;
