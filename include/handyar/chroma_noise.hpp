@@ -11,9 +11,9 @@ namespace handyar {
 
 /// From which noise on chroma is averaged, as chroma_noise() tells it.
 struct ChromaNoiseConfig {
-  double tracked = 0.9;      ///< around a hand that is followed
+  double tracked = 1.1;      ///< around a hand that is followed
   double lasting = 0.8;      ///< times that, once it is averaged
-  double searched = 1.3;     ///< in reduced frames, whose details look like noise too
+  double searched = 1.5;     ///< in reduced frames, whose details look like noise too
   double width_share = 0.1;  ///< of a finger's width: how far around it is averaged
 };
 
