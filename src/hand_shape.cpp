@@ -335,6 +335,13 @@ Eigen::Matrix<float, 2, 3> fit_affine(const Eigen::Matrix<float, 3, kPoints>& fr
 
 }  // namespace
 
+OwnShape::OwnShape(const HandModel& hand) noexcept : weight_(kEnoughFrames), layout_(hand.layout) {
+  const auto valleys_m = hand.has_valleys ? hand.valleys_m : average_valleys_m(hand);
+  mean_.topRows<2>() << hand.tips_m.topRows<2>().cast<float>(),
+      valleys_m.topRows<2>().cast<float>();
+  mean_.row(2).setOnes();
+}
+
 void OwnShape::learn(const HandShape& shape, float share) noexcept {
   layout_ = shape.layout;
   const Eigen::Matrix<float, 2, kPoints> points = points_of(shape);
@@ -367,12 +374,12 @@ HandShape OwnShape::laid_on(const HandShape& shape) const noexcept {
   return laid;
 }
 
-OwnShape::OddTip OwnShape::odd_tip(const HandShape& shape) const noexcept {
-  constexpr float kAgree_m = 0.005f, kUsual_m = 0.002f;
+OwnShape::OddTip OwnShape::odd_tip(const HandShape& shape, float agree_m) const noexcept {
+  constexpr float kUsual_m = 0.002f;
   OddTip odd;
   if (!knows(shape)) return odd;
   const Eigen::Matrix<float, 2, kPoints> points = points_of(shape);
-  float least = kAgree_m;
+  float least = agree_m;
   for (int f = 0; f < kFingerCount; ++f) {
     if (!shape.tip_seen[f]) continue;
     Eigen::Matrix<float, kPoints, 1> others = weights_of(shape);

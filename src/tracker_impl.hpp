@@ -25,6 +25,7 @@ struct HandTracker::Impl {
         hands{hand.for_layout(Layout::thumb_right), hand.for_layout(Layout::thumb_left)},
         skin(cfg.skin),
         shape_model(hand, cfg.shape),
+        modelled_shape(hand),
         stages(cfg.fingertips),
         search(stages, cfg.search, cfg.shape, shape_model),
         filter(cfg.filter) {}
@@ -54,6 +55,7 @@ struct HandTracker::Impl {
   bool find_valleys() noexcept;
   int judge_tips() noexcept;
   HandShapeConfig limits_of_belief() const noexcept;
+  bool contradicts_model() const noexcept;
   bool has_turned_over(const HandShapeConfig& limits) const noexcept;
   void place_what_was_missed() noexcept;
   void measure_tips(TrackResult& result) noexcept;
@@ -99,6 +101,7 @@ struct HandTracker::Impl {
   SkinModel skin;
   SkinModel::Learned trusted_skin;  // as it was when the hand was last tracked
   HandShapeModel shape_model;
+  OwnShape modelled_shape;
   MaskStages stages;
   HandSearch search;
   BinImage bins;  // of the neighbourhood, or of the whole frame while searching it

@@ -98,6 +98,7 @@ bool HandTracker::Impl::match(bool anew) noexcept {
   if (matched < (anew ? kFingerCount : config.matching.min_tips) || !find_valleys()) return false;
   tip_inferred.fill(false);
   tip_doubt_px.fill(0);
+  if (contradicts_model()) return false;
   if (!anew) matched -= judge_tips();
   const HandShapeConfig limits = limits_of_belief();
   const bool accepted = shape_model.fit(limits, found);
@@ -157,7 +158,8 @@ bool HandTracker::Impl::find_valleys() noexcept {
 /// by a shadow. Far off, its tip was misread; less so, it tells less of the pose, unless it was
 /// drawn from the hand's own shape. Returns how many tips were misread.
 int HandTracker::Impl::judge_tips() noexcept {
-  const OwnShape::OddTip odd = own_shape.odd_tip(found);
+  constexpr float kAgree_m = 0.005f;
+  const OwnShape::OddTip odd = own_shape.odd_tip(found, kAgree_m);
   const bool misread = odd.off_m > config.shape.misread_m;
   if (misread)
     found.tip_seen[odd.finger] = false;
@@ -182,6 +184,15 @@ HandShapeConfig HandTracker::Impl::limits_of_belief() const noexcept {
   if (!own_shape.is_known())
     limits.max_deviation = std::min(limits.max_deviation, before.deviation + config.shape.max_leap);
   return limits;
+}
+
+/// No finger is much longer or shorter than the hand model has it: one that runs on into what has
+/// its colour can pass for a hand that is seen aslant, until it is compared with the others.
+bool HandTracker::Impl::contradicts_model() const noexcept {
+  constexpr float kAgree_m = 0.012f;  // what perspective and posture leave
+  const bool average = hands[0].source == HandSource::average_adult;
+  return modelled_shape.odd_tip(found, kAgree_m).off_m >
+         (average ? config.shape.average_odd_tip_m : config.shape.odd_tip_m);
 }
 
 /// A hand that has turned over meanwhile can pass for a distorted one of the old layout.

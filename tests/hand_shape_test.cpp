@@ -167,6 +167,24 @@ TEST(HandShapeModel, KnowsAnotherHandFromTheMeasuredOne) {
   EXPECT_GT(against_own, 1.3f * shape.deviation);
 }
 
+TEST(OwnShape, OfAModelKnowsItsFingersFromTheFirstFrameOn) {
+  HandModel hand = measured_hand();
+  for (const bool valleys : {true, false}) {
+    hand.has_valleys = valleys;
+    const OwnShape modelled(hand);
+    for (const Layout layout : kLayouts) {
+      const Eigen::Affine2d view = view_of(1300, 0.4, deg(40), deg(20));
+      EXPECT_LT(modelled.odd_tip(seen(measured_hand().for_layout(layout), view), 0.012f).off_m,
+                valleys ? 0.001 : 0.015);
+      HandModel longer = measured_hand();
+      longer.tips_m(0, 0) += 0.050;  // the thumb continues along a table's edge
+      const auto odd = modelled.odd_tip(seen(longer.for_layout(layout), view), 0.012f);
+      EXPECT_EQ(odd.finger, 0);
+      EXPECT_GT(odd.off_m, 0.035);
+    }
+  }
+}
+
 TEST(HandShapeModel, WithoutMeasuredValleysIsHandsInGeneral) {
   HandModel hand = measured_hand();
   hand.has_valleys = false;
@@ -195,14 +213,14 @@ TEST(OwnShape, KnowsAMisreadFingerFromAnotherView) {
   const OwnShape own = learned(hand, model);
   const Eigen::Affine2d view = view_of(1000, 1.2, deg(35), deg(70));
   HandShape shape = seen(hand, view);
-  EXPECT_EQ(own.odd_tip(shape).off_m, 0);
+  EXPECT_EQ(own.odd_tip(shape, 0.005f).off_m, 0);
   for (int f = 0; f < kFingerCount; ++f)
     for (const double by_m : {-0.03, 0.03}) {
       HandModel misread = hand;
       misread.tips_m.col(f) *= 1 + by_m / hand.tips_m.col(f).norm();
       HandShape wrong = seen(misread, view);
-      EXPECT_EQ(own.odd_tip(wrong).finger, f) << by_m;
-      EXPECT_GT(own.odd_tip(wrong).off_m, HandShapeConfig{}.misread_m) << by_m;
+      EXPECT_EQ(own.odd_tip(wrong, 0.005f).finger, f) << by_m;
+      EXPECT_GT(own.odd_tip(wrong, 0.005f).off_m, HandShapeConfig{}.misread_m) << by_m;
       wrong.tip_seen[f] = false;
       ASSERT_TRUE(own.infer_tip(f, wrong));
       EXPECT_LT((wrong.tips[f] - shape.tips[f]).norm(), 0.002f * 1000) << f;
@@ -216,7 +234,7 @@ TEST(OwnShape, AllowsFingersToMoveALittle) {
   for (int f = 0; f < kFingerCount; ++f) {
     HandModel moved = hand;
     moved.tips_m(0, f) += 0.010;
-    const OwnShape::OddTip odd = own.odd_tip(seen(moved, view_of(1000, 0.3)));
+    const OwnShape::OddTip odd = own.odd_tip(seen(moved, view_of(1000, 0.3)), 0.005f);
     EXPECT_EQ(odd.finger, f);
     EXPECT_GT(odd.off_m, 0.005) << f;
     EXPECT_LT(odd.off_m, HandShapeConfig{}.misread_m) << f;
@@ -232,7 +250,7 @@ TEST(OwnShape, SaysNothingBeforeItKnowsEnough) {
   model.fit({}, shape);
   own.learn(shape, 0.05f);
   shape.tips[0] *= 1.5f;
-  EXPECT_EQ(own.odd_tip(shape).finger, -1);
+  EXPECT_EQ(own.odd_tip(shape, 0.005f).finger, -1);
   EXPECT_FALSE(own.infer_tip(0, shape));
   OwnShape known = learned(hand, model);
   known.reset();

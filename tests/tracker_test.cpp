@@ -202,6 +202,29 @@ TEST(Tracker, AHandUnlikeOthersIsBelievedWhereReadingsAgree) {
   EXPECT_TRUE(tracks_a_bent_finger({}));
 }
 
+/// In how many of 60 frames the thumb of a new hand is read at the far end of a bar that it
+/// touches, which has its colour.
+int read_at_the_end_of_the_bar(const Config& config) {
+  Film film(config);
+  film.textured = true;
+  film.extra = [&film](Picture& p) {
+    const Eigen::Vector2d thumb = film.true_tip_px(0), end = thumb + Eigen::Vector2d(60, 0);
+    p.paint([&](const Eigen::Vector2d& px) { return test::capsule_distance(px, thumb, end, 9); },
+            1);
+  };
+  int misread = 0;
+  for (int i = 0; i < 60; ++i)
+    misread += film.next().state == State::tracking && film.worst_tip_px() > 40;
+  return misread;
+}
+
+TEST(Tracker, NoFingerIsMuchLongerThanTheModelHasIt) {
+  Config of_any_length;
+  of_any_length.shape.odd_tip_m = 1;
+  EXPECT_GT(read_at_the_end_of_the_bar(of_any_length), 30);
+  EXPECT_EQ(read_at_the_end_of_the_bar({}), 0);
+}
+
 /// In how many of 8 frames the thumb of a hand that is hardly known yet is read at the far end of
 /// what it touches and has its colour.
 int misread_thumbs(const Config& config) {
@@ -221,9 +244,10 @@ int misread_thumbs(const Config& config) {
 }
 
 TEST(Tracker, ANewHandHardlyGrowsTogetherWithWhatItTouches) {
-  Config at_any_leap;
+  Config by_leap, at_any_leap;
+  by_leap.shape.odd_tip_m = at_any_leap.shape.odd_tip_m = 1;
   at_any_leap.shape.max_leap = 10;
-  EXPECT_GT(misread_thumbs(at_any_leap), misread_thumbs({}) + 2);
+  EXPECT_GT(misread_thumbs(at_any_leap), misread_thumbs(by_leap) + 2);
 }
 
 /// In how many of 60 frames of a camera in dim light, before a board of nearly its colour, a hand

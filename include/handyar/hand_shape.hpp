@@ -29,11 +29,14 @@ struct HandShapeConfig {
   double tracked_aspect = 0.6;       ///< times min_aspect, the same
   double acquired_deviation = 1.25;  ///< times max_deviation, of one that is being acquired
   double turned_over_share = 0.7;    ///< of its deviation: less, the other way round, is that
-  double max_leap = 0.35;     ///< how much more a hand may deviate than a frame before, until
-                              ///< its own shape is known
-  double misread_m = 0.014;   ///< a tip that much further than usual from where the others say
-                              ///< that it is was misread, see OwnShape::OddTip
-  double own_memory_s = 0.7;  ///< over which a tracked hand's own shape is averaged
+  double max_leap = 0.35;    ///< how much more a hand may deviate than a frame before, until
+                             ///< its own shape is known
+  double misread_m = 0.014;  ///< a tip that much further than usual from where the others say
+                             ///< that it is was misread, see OwnShape::OddTip
+  double odd_tip_m = 0.025;  ///< a hand is none whose tip is that much further than usual from
+                             ///< where the measured hand has it,
+  double average_odd_tip_m = 0.035;   ///< or, where none was measured, the average one
+  double own_memory_s = 0.7;          ///< over which a tracked hand's own shape is averaged
   double own_deviation_share = 0.75;  ///< of max_deviation: frames below it are likely right,
                                       ///< and its own shape is learned from them
 };
@@ -147,6 +150,10 @@ class HandShapeModel {
 /// hand keeps its posture, and a finger that suddenly is much shorter or longer was misread.
 class OwnShape {
  public:
+  OwnShape() = default;
+  /// As a model has it; with the valleys of an average hand of its tips where it has none.
+  explicit OwnShape(const HandModel& hand) noexcept;
+
   void reset() noexcept { weight_ = 0; }
 
   /// Enough was learned to tell where a point of this hand should be.
@@ -166,9 +173,9 @@ class OwnShape {
     float off_m = 0;     ///< how much further than usual it is from its place
     float px_per_m = 0;  ///< of the hand, where it is
   };
-  /// The tip without which all other points agree best with each other, and how far it is from
-  /// where they say that it is.
-  OddTip odd_tip(const HandShape& shape) const noexcept;
+  /// The tip without which all other points agree best with each other, to `agree_m` at least, and
+  /// how far it is from where they say that it is.
+  OddTip odd_tip(const HandShape& shape, float agree_m) const noexcept;
 
   /// Puts a tip where the points that are seen say that it is. False when too little is known.
   bool infer_tip(int finger, HandShape& shape) const noexcept;
