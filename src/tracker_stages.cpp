@@ -98,8 +98,8 @@ bool HandTracker::Impl::match(bool anew) noexcept {
   if (matched < (anew ? kFingerCount : config.matching.min_tips) || !find_valleys()) return false;
   tip_inferred.fill(false);
   tip_doubt_px.fill(0);
-  if (contradicts_model()) return false;
   if (!anew) matched -= judge_tips();
+  if (contradicts_model()) return false;
   const HandShapeConfig limits = limits_of_belief();
   const bool accepted = shape_model.fit(limits, found);
   promising = found.deviation < config.search.max_deviation;
