@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <utility>
 
 #include "vectorised.hpp"
 
@@ -181,8 +180,9 @@ bool RegionFinder::join(const ExpectedHand::Finger& finger, float finger_width,
   const auto label_along = [&](float s) {
     for (const float t : {0.0f, 0.25f, -0.25f}) {
       const int found = label_at(finger.base + s * along + t * across);
-      if (found >= 0) shift = t;
-      if (found >= 0) return found;
+      if (found < 0) continue;
+      shift = t;
+      return found;
     }
     return -1;
   };
@@ -213,12 +213,11 @@ bool RegionFinder::join(const ExpectedHand::Finger& finger, float finger_width,
 
 int RegionFinder::label_at(const Eigen::Vector2f& p) const noexcept {
   if (!mask_.holds(p)) return -1;
-  const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
-  const auto before = [](const Run& r, const std::pair<int, int>& at) {
-    return r.v < at.first || (r.v == at.first && r.u1 <= at.second);
+  const auto before = [](const Run& r, const Mask::Pixel& at) {
+    return r.v < at.v || (r.v == at.v && r.u1 <= at.u);
   };
   const auto runs = runs_.begin();
-  return std::lower_bound(runs, runs + run_count_, std::pair(v, u), before)->label;
+  return std::lower_bound(runs, runs + run_count_, Mask::Pixel(p), before)->label;
 }
 
 int RegionFinder::root(int run) noexcept {

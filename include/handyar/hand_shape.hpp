@@ -147,7 +147,8 @@ class HandShapeModel {
 };
 
 /// How one hand's tips and valleys lie to each other, learned while it is tracked: for a while a
-/// hand keeps its posture, and a finger that suddenly is much shorter or longer was misread.
+/// hand keeps its posture, and a finger that suddenly is much shorter or longer was misread. Or as
+/// a hand model has them, from the first frame on.
 class OwnShape {
  public:
   OwnShape() = default;

@@ -29,15 +29,24 @@ struct Mask {
   std::uint64_t* row(int v) noexcept { return words.data() + (v + kMargin) * stride; }
   const std::uint64_t* row(int v) const noexcept { return words.data() + (v + kMargin) * stride; }
   bool at(int u, int v) const noexcept { return row(v)[u >> 6] >> (u & 63) & 1; }
-  /// The pixel in which a point lies is set; false outside.
-  bool holds(const Eigen::Vector2f& p) const noexcept {
-    const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
-    return u >= 0 && v >= 0 && u < width && v < height && at(u, v);
+  /// The pixel in which a point lies.
+  struct Pixel {
+    int u, v;
+    explicit Pixel(const Eigen::Vector2f& p) noexcept
+        : u(static_cast<int>(std::lround(p.x()))), v(static_cast<int>(std::lround(p.y()))) {}
+  };
+  bool covers(const Pixel& p) const noexcept {
+    return p.u >= 0 && p.v >= 0 && p.u < width && p.v < height;
+  }
+  /// That pixel is set; false outside.
+  bool holds(const Eigen::Vector2f& point) const noexcept {
+    const Pixel p(point);
+    return covers(p) && at(p.u, p.v);
   }
   /// Sets that pixel; outside nothing.
-  void set(const Eigen::Vector2f& p) noexcept {
-    const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
-    if (u >= 0 && v >= 0 && u < width && v < height) row(v)[u >> 6] |= std::uint64_t{1} << (u & 63);
+  void set(const Eigen::Vector2f& point) noexcept {
+    const Pixel p(point);
+    if (covers(p)) row(p.v)[p.u >> 6] |= std::uint64_t{1} << (p.u & 63);
   }
   /// Sets row v from `width` bytes of 0 or 1; the row's last word is read to its end.
   void set_row(int v, const std::uint8_t* flags) noexcept;
