@@ -2,7 +2,9 @@
 #include "skin_samples.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 
 namespace handyar {
 namespace {
@@ -14,6 +16,52 @@ std::uint64_t near_region(const Mask& mask, int v, int word) {
   return at | at << 2 | at >> 2 | before >> 62 | after << 62 | mask.row(v - 2)[word] |
          mask.row(v + 2)[word];
 }
+
+float luma(ColorBin bin) { return static_cast<float>(ycbcr_of(bin)[0]); }
+float redness(ColorBin bin) { return static_cast<float>(ycbcr_of(bin)[2]); }
+
+/// The nails of a dark hand are lighter than it, and a hand whose nails were taken for background
+/// ends before them.
+class Nails {
+ public:
+  /// Of a hand that has colours like these.
+  Nails(const HandShape& shape, std::span<const ColorBin> hand) noexcept
+      : radius_(0.5f * shape.finger_width) {
+    constexpr float kDark = 96, kRed = 2, kLighter = 1.3f;  // dark skin, no glove
+    Eigen::Vector2f sum = Eigen::Vector2f::Zero();          // of luma and redness
+    for (const ColorBin bin : hand) sum += Eigen::Vector2f(luma(bin), redness(bin));
+    const Eigen::Vector2f mean = sum / std::max(1.0f, static_cast<float>(hand.size()));
+    least_luma_ = mean.x() < kDark && mean.y() > kRed ? kLighter * mean.x() : 256;
+    for (int f = 0; f < kFingerCount; ++f)
+      centres_[f] =
+          shape.tips[f] + radius_ * (shape.tips[f] - shape.finger_base(f)).stableNormalized();
+  }
+
+  /// Goes to row v.
+  void enter(int v) noexcept {
+    count_ = 0;
+    for (const Eigen::Vector2f& centre : centres_) {
+      const float up = static_cast<float>(v) - centre.y(), half2 = radius_ * radius_ - up * up;
+      if (half2 > 0) in_row_[count_++] = {centre.x(), std::sqrt(half2)};
+    }
+  }
+  /// Pixel u of the row, beyond the hand as far as it is known, shows one.
+  bool hold(ColorBin bin, int u) const noexcept {
+    return luma(bin) > least_luma_ &&
+           std::any_of(in_row_.begin(), in_row_.begin() + count_, [u](const Span& span) {
+             return std::abs(static_cast<float>(u) - span.middle) < span.half;
+           });
+  }
+
+ private:
+  struct Span {
+    float middle, half;
+  };
+  float radius_, least_luma_;
+  std::array<Eigen::Vector2f, kFingerCount> centres_;  // of discs just beyond the tips
+  std::array<Span, kFingerCount> in_row_;
+  int count_ = 0;
+};
 
 }  // namespace
 
@@ -51,13 +99,19 @@ void sample_skin(const BinView& image, const Mask* mask, const HandShape& shape,
   const int u1 = std::min(image.width - grid, int(around.max().x()));
   const int v1 = std::min(image.height - grid, int(around.max().y()));
   const HandReach reach(shape);
+  Nails nails(shape, samples.hand);
   for (int v = v0; v < v1; v += grid) {
     const ColorBin* const row = image.row(v);
+    nails.enter(v);
     std::uint64_t near = ~std::uint64_t{0};
     for (int u = u0, word = -1; u < u1; u += grid) {
       if (mask != nullptr && u >> 6 != word) near = near_region(*mask, v, word = u >> 6);
       // What hangs together with the hand and yet cannot be a part of it is background too.
       if ((near >> (u & 63) & 1) != 0 && reach.holds({float(u), float(v)})) continue;
+      if (nails.hold(row[u], u)) {
+        if (samples.hand.size() < SkinSamples::kMax) samples.hand.push_back(row[u]);
+        continue;
+      }
       if (samples.background.size() == SkinSamples::kMax) return;
       samples.background.push_back(row[u]);
     }

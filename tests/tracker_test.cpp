@@ -271,6 +271,35 @@ TEST(Tracker, AveragesColoursWhereTheyAreNoisy) {
   EXPECT_GT(right_in_dim_light({}), 45);
 }
 
+TEST(Tracker, TheNailsOfADarkHandBelongToIt) {
+  Film film;
+  film.present = false;
+  film.textured = true;
+  film.extra = [&film](Picture& p) {
+    p.paint(film.hand, film.camera, film.T_camera_hand, {70, 80, 110});
+    const HandModel seen = film.hand_model.for_layout(film.hand.layout);
+    const double radius_px = 0.0075 * film.camera.fx_px / film.T_camera_hand.translation().z();
+    for (int f = 0; f < kFingerCount; ++f) {
+      const auto below_tip_px = [&](double m) -> Eigen::Vector2d {
+        const Eigen::Vector3d at = seen.tips_m.col(f) - m * seen.directions().col(f);
+        return film.camera.project(film.T_camera_hand * at);
+      };
+      const Eigen::Vector2d from = below_tip_px(0.012), to = below_tip_px(0.0075);
+      p.paint(
+          [&](const Eigen::Vector2d& px) {
+            return test::capsule_distance(px, from, to, radius_px);
+          },
+          1, {130, 120, 130});
+    }
+  };
+  ASSERT_LT(film.until(State::tracking, 2), 2);
+  for (int i = 0; i < 30; ++i) {
+    film.next();
+    EXPECT_EQ(film.result.state, State::tracking);
+    EXPECT_LT(film.worst_tip_px(), 4.5);
+  }
+}
+
 class TrackerNeverAcquires : public testing::TestWithParam<std::string> {};
 
 TEST_P(TrackerNeverAcquires, WhatIsNoOutstretchedHand) {
