@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 
-#include "stage_clock.hpp"
 #include "tracker_impl.hpp"
 
 namespace handyar {
@@ -126,93 +125,26 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   t.time_s = time_s;
 
   const StageClock clock(t.config.now_s);
-  StageTimes& times = result.times;
-  const auto identify = [&](bool anew) {
-    return clock.time(times.fingertips_ms, [&] { return t.find_fingertips(); }) &&
-           clock.time(times.matching_ms, [&] { return t.match(anew); }) &&
-           (clock.time(times.fingertips_ms, [&] { t.measure_tips(result); }),
-            clock.time(times.pose_ms, [&] { return t.estimate_pose(result); }));
-  };
-  const auto look_at = [&](bool anew, bool where_expected) {
-    return clock.time(times.segmentation_ms, [&] { return t.segment(where_expected); }) &&
-           identify(anew);
-  };
-  // By colour alone; unless that is surely a hand, by place and edges too: the more hand-like wins.
-  const auto look = [&](bool anew) {
-    if (!clock.time(times.segmentation_ms, [&] { return t.read_neighbourhood(frame, anew); }))
-      return false;
-    const bool seen = look_at(anew, false);
-    const HandShape first = t.found;
-    if (seen && first.deviation < t.config.shape.sure_deviation) return true;
-    const auto tips = [](const HandShape& shape) {
-      return std::ranges::count(shape.tip_seen, true);
-    };
-    if (look_at(anew, true) &&
-        (!seen || (t.found.deviation < first.deviation && tips(t.found) >= tips(first))))
-      return true;
-    return seen && look_at(anew, false);
-  };
-  const auto look_at_outline = [&](bool anew) {
-    return clock.time(times.segmentation_ms, [&] { return t.follow_outline(); }) && identify(anew);
-  };
-  const auto search = [&] {
-    return clock.time(times.segmentation_ms, [&] { return t.find_anywhere(frame); });
-  };
-  // As the search saw it.
-  const auto take_as_found = [&](const HandShape& found) {
-    t.shape = found;
-    return clock.time(times.segmentation_ms, [&] { return t.adopt_found(frame); }) &&
-           identify(true);
-  };
-  // What the search finds is rough: its colours are learned and the hand is looked at again. If
-  // that does not tell it from what surrounds it, what the search saw must do.
-  const auto look_anew = [&] {
-    const HandShape found = t.shape;
-    bool seen = look(true);
-    for (int again = 0; !seen && again < 2 && t.promising; ++again) {
-      t.shape = t.to_input(t.found);
-      t.learn(t.bins, t.stages.region.mask(), t.found);
-      seen = look(true);
-    }
-    if (!seen && found.deviation < t.config.shape.max_deviation) seen = take_as_found(found);
-    if (seen)
-      t.acquired_deviation = found.deviation;
-    else
-      t.forget_found();
-    return seen;
-  };
-  bool seen = false;
-  if (t.state == State::acquiring && search()) seen = look_anew();
-  if (!seen && t.following) seen = look(false) || look_at_outline(false);
-  if (!seen && t.state == State::acquiring && t.found_again) seen = take_as_found(*t.found_again);
-  if (!seen && (t.state == State::searching || t.state == State::lost)) {
-    if (search()) {
-      seen = look_anew();
-    } else if (clock.time(times.segmentation_ms, [&] { return t.find_own_outline(); })) {
-      seen = clock.time(times.segmentation_ms, [&] { return t.read_neighbourhood(frame, true); }) &&
-             look_at_outline(true);
-      if (!seen) t.forget_found();
-    }
-  }
+  const bool seen = t.look_at_hand(frame, clock, result);
   t.advance(seen);
   result.state = t.state;
-  if (!seen) result.raw_pose.reset();
   t.contour_size = seen ? t.stages.contour.size() : 0;
   for (int i = 0; i < t.contour_size; ++i) t.contour_px[i] = t.to_input(t.stages.contour[i]);
-  if (!seen) {
+  if (seen) {
+    result.layout = t.found.layout;
+    clock.time(result.times.segmentation_ms,
+               [&] { t.learn(t.bins, t.stages.region.mask(), t.found); });
+    clock.time(result.times.filter_ms, [&] { t.filter_pose(result); });
+  } else {
     result.tips = {};
     result.valleys = {};
-  } else {
-    result.layout = t.found.layout;
-    clock.time(times.segmentation_ms, [&] { t.learn(t.bins, t.stages.region.mask(), t.found); });
-    // While a hand is acquired the filter settles; who asks for a pose gets it once it is believed.
-    clock.time(times.filter_ms, [&] { t.filter_pose(result); });
-    if (t.state != State::tracking) {
-      result.raw_pose.reset();
-      result.pose.reset();
-    }
   }
-  times.total_ms = clock.total_ms();
+  // While a hand is acquired the filter settles; who asks for a pose gets it once it is believed.
+  if (t.state != State::tracking) {
+    result.raw_pose.reset();
+    result.pose.reset();
+  }
+  result.times.total_ms = clock.total_ms();
   return result;
 }
 

@@ -13,6 +13,7 @@
 #include "handyar/skin_model.hpp"
 #include "handyar/tracker.hpp"
 #include "skin_samples.hpp"
+#include "stage_clock.hpp"
 
 namespace handyar {
 
@@ -33,6 +34,10 @@ struct HandTracker::Impl {
   void prepare(const ImageView& frame);
   void forget() noexcept;
   void advance(bool seen) noexcept;
+
+  // tracker_look.cpp
+  class Look;
+  bool look_at_hand(const ImageView& frame, const StageClock& clock, TrackResult& result) noexcept;
 
   // tracker_search.cpp
   bool find_anywhere(const ImageView& frame) noexcept;
