@@ -148,6 +148,7 @@ TEST_F(CliTest, WrongUsageIsTwo) {
         "track " + kVideo + " --processing third", "track " + kVideo + " --fingertips nails",
         "track " + kVideo + " --poses " + out("a") + " --video " + out("a"),
         "track " + in("v.mp4") + " --video " + in("v.mp4"), "track " + kVideo + " another",
+        "track " + kVideo + " --model " + in("v.mp4") + " --poses " + in("v.mp4"),
         "track " + kVideo + " --poses ''", "track " + kVideo + " --model teapot --model-mm nan",
         std::string("dance --help"), std::string("--dance"), std::string("cameras 1"),
         "learn-color " + in("v.mp4") + " --out " + in("./v.mp4"),

@@ -109,6 +109,12 @@ TEST_F(InspectTest, WrongUsageIsTwo) {
   EXPECT_EQ(run(kClip), 2);
   EXPECT_EQ(run("--scene " + kData + "/scene_select.json"), 2);
   EXPECT_EQ(run(kClip + " --scene " + path("s") + " --events " + path("s")), 2);
+  json scene = json::parse(contents(kData + "/scene_select.json"));
+  scene["objects"][1]["model"] = "model.obj";
+  std::ofstream(path("scene.json")) << scene;
+  std::ofstream(path("model.obj")) << "v 0 0 0\n";
+  EXPECT_EQ(run(kClip + " --scene " + path("scene.json") + " --events " + path("model.obj")), 2);
+  EXPECT_EQ(contents(path("model.obj")), "v 0 0 0\n");
 }
 
 }  // namespace

@@ -207,7 +207,7 @@ int calibrate(const CalibrateRun& run) {
   const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
   const io::SourceInfo& info = source->info();
   for (const std::string& out : {run.camera_out, run.hand_out, run.picture_out})
-    if (!out.empty()) io::PendingFile probe(out);  // known before the recording, not after it
+    if (!out.empty()) io::require_writable(out);
   std::optional<Camera> camera;
   if (!run.camera_file.empty())
     camera = io::camera_for_size(io::read_camera(run.camera_file), info.width_px, info.height_px,

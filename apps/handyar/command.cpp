@@ -43,8 +43,8 @@ CLI::Validator between(double low, double high) {
   return CLI::Validator(fault_of, range.str());
 }
 
-void require_distinct_files(std::initializer_list<std::string> inputs,
-                            std::initializer_list<std::string> outputs) {
+void require_distinct_files(const std::vector<std::string>& inputs,
+                            const std::vector<std::string>& outputs) {
   for (auto out = outputs.begin(); out != outputs.end(); ++out) {
     for (const std::string& in : inputs)
       if (same_file(*out, in)) throw WrongUsage(*out + " is both read and written");

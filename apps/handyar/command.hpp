@@ -4,9 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
-#include <initializer_list>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace handyar::cli {
 
@@ -43,8 +43,8 @@ struct WrongUsage : std::runtime_error {
 
 /// Throws WrongUsage when a file would be written that is also read, or by two options; empty names
 /// are none.
-void require_distinct_files(std::initializer_list<std::string> inputs,
-                            std::initializer_list<std::string> outputs);
+void require_distinct_files(const std::vector<std::string>& inputs,
+                            const std::vector<std::string>& outputs);
 
 /// Notes SIGINT, SIGTERM and SIGHUP so that loops can end and finish their files; a second one
 /// kills.

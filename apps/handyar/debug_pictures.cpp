@@ -170,7 +170,7 @@ DebugPictures::DebugPictures(std::string folder) : folder_(std::move(folder)) {
   std::error_code fault;
   fs::create_directories(folder_, fault);
   if (fault) throw io::Error(folder_, "cannot be made: " + fault.message());
-  const io::PendingFile probe((fs::path(folder_) / "frame.png").string());
+  io::require_writable((fs::path(folder_) / "frame.png").string());
 }
 
 void DebugPictures::prepare(const HandTracker& tracker) {

@@ -68,7 +68,7 @@ class ReportFolder {
     std::error_code fault;
     made_ = fs::create_directories(path_, fault);
     if (fault) throw io::Error(path, "cannot be written to: " + fault.message());
-    const io::PendingFile probe((path_ / "report.html").string());
+    io::require_writable((path_ / "report.html").string());
   }
   ~ReportFolder() {
     std::error_code ignored;

@@ -54,7 +54,10 @@ class EventLog {
 int inspect(TrackingRun run, const std::string& scene_file, const std::string& events_file) {
   require_distinct_files({run.input, run.camera_file, run.hand_file, run.skin_file, scene_file},
                          {run.video_out, events_file});
-  render::InspectionView view(render::read_scene(scene_file));
+  const render::Scene scene = render::read_scene(scene_file);
+  for (const render::SceneObject& object : scene.objects)
+    require_distinct_files({object.model}, {run.video_out, events_file});
+  render::InspectionView view(scene);
   std::optional<EventLog> log;
   if (!events_file.empty()) log.emplace(events_file);
 

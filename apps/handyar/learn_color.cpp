@@ -66,7 +66,7 @@ int learn_color(const LearnRun& run) {
   require_distinct_files({run.input}, {run.out});
   const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
   const io::SourceInfo& info = source->info();
-  { const io::PendingFile probe(run.out); }  // known before the hand is held up, not after it
+  io::require_writable(run.out);
   std::optional<render::Window> window;
   if (run.show) window.emplace(info.width_px, info.height_px, "handyar learn-color");
   catch_interrupts();

@@ -88,6 +88,7 @@ Command add_track(CLI::App& app) {
             run->timings = !choices->no_timings;
             run->annotated = !choices->no_annotation;
             if (!choices->model.empty()) {
+              require_distinct_files({choices->model}, {run->poses_out, run->video_out});
               run->overlay = object_on_hand(choices->model, choices->model_mm / 1000);
             }
             run->debug_frames = debug_frames_of(*choices, *run);

@@ -78,6 +78,8 @@ void PendingFile::commit() {
   pending_ = false;
 }
 
+void require_writable(const std::string& target) { const PendingFile probe(target); }
+
 void write_text(const std::string& target, const std::string& text) {
   PendingFile file(target);
   errno = 0;

@@ -27,6 +27,9 @@ class PendingFile {
   bool pending_ = false;
 };
 
+/// Throws Error when a PendingFile could not be made: for results of long work, before it is done.
+void require_writable(const std::string& target);
+
 /// Writes a whole text file that way.
 void write_text(const std::string& target, const std::string& text);
 
