@@ -27,7 +27,7 @@ class Nails {
   /// Of a hand that has colours like these.
   Nails(const HandShape& shape, std::span<const ColorBin> hand) noexcept
       : radius_(0.5f * shape.finger_width) {
-    constexpr float kDark = 96, kRed = 2, kLighter = 1.3f;  // dark skin, no glove
+    constexpr float kDark = 80, kRed = 2, kLighter = 1.3f;  // dark skin, no glove
     Eigen::Vector2f sum = Eigen::Vector2f::Zero();          // of luma and redness
     for (const ColorBin bin : hand) sum += Eigen::Vector2f(luma(bin), redness(bin));
     const Eigen::Vector2f mean = sum / std::max(1.0f, static_cast<float>(hand.size()));
@@ -108,7 +108,7 @@ void sample_skin(const BinView& image, const Mask* mask, const HandShape& shape,
       if (mask != nullptr && u >> 6 != word) near = near_region(*mask, v, word = u >> 6);
       // What hangs together with the hand and yet cannot be a part of it is background too.
       if ((near >> (u & 63) & 1) != 0 && reach.holds({float(u), float(v)})) continue;
-      if (nails.hold(row[u], u)) {
+      if (mask != nullptr && nails.hold(row[u], u)) {
         if (samples.hand.size() < SkinSamples::kMax) samples.hand.push_back(row[u]);
         continue;
       }

@@ -23,7 +23,7 @@ struct SkinSamples {
 
 /// Takes samples by the geometry of `shape` (pixels of `image` and `mask`, which are of one size).
 /// Background is what cannot be the hand and, where its `mask` is known, what lies outside it, but
-/// for what is like the nails of a dark hand.
+/// for what looks like the nails of a dark hand.
 void sample_skin(const BinView& image, const Mask* mask, const HandShape& shape,
                  SkinSamples& samples) noexcept;
 
