@@ -29,24 +29,24 @@ class HandTracker::Impl::Look {
   /// What the search finds is rough: its colours are learned and the hand is looked at again. If
   /// that does not tell it from what surrounds it, what the search saw must do.
   bool anew() noexcept {
-    const HandShape found = t_.shape;
+    const HandShape candidate = t_.shape;
     bool seen = near(true);
     for (int again = 0; !seen && again < 2 && t_.promising; ++again) {
       t_.shape = t_.to_input(t_.found);
       t_.learn(t_.bins, t_.stages.region.mask(), t_.found);
       seen = near(true);
     }
-    if (!seen && found.deviation < t_.config.shape.max_deviation) seen = as_found(found);
+    if (!seen && candidate.deviation < t_.config.shape.max_deviation) seen = as_found(candidate);
     if (seen)
-      t_.acquired_deviation = found.deviation;
+      t_.acquired_deviation = candidate.deviation;
     else
       t_.forget_found();
     return seen;
   }
 
   /// As the search saw it.
-  bool as_found(const HandShape& found) noexcept {
-    t_.shape = found;
+  bool as_found(const HandShape& candidate) noexcept {
+    t_.shape = candidate;
     return segmentation([&] { return t_.adopt_found(frame_); }) && identify(true);
   }
 
@@ -57,9 +57,7 @@ class HandTracker::Impl::Look {
     const bool seen = at_colors(anew, false);
     const HandShape first = t_.found;
     if (seen && first.deviation < t_.config.shape.sure_deviation) return true;
-    const auto tips = [](const HandShape& shape) {
-      return std::ranges::count(shape.tip_seen, true);
-    };
+    const auto tips = [](const HandShape& hand) { return std::ranges::count(hand.tip_seen, true); };
     if (at_colors(anew, true) &&
         (!seen || (t_.found.deviation < first.deviation && tips(t_.found) >= tips(first))))
       return true;
