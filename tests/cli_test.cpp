@@ -317,6 +317,8 @@ TEST_F(CliTest, DemoMakesVideoAndPoses) {
   EXPECT_NE(r.out.find("200 frames"), std::string::npos) << r.out;
   EXPECT_EQ(lines(contents(out("demo/poses.csv"))), 201);
   EXPECT_GT(fs::file_size(out("demo/annotated.mp4")), 100000u);
+  EXPECT_EQ(run("demo --out " + out("none") + " --skin " + in("no.json")).code, 1);
+  EXPECT_FALSE(fs::exists(out("none"))) << "an empty folder is no result";
 }
 
 }  // namespace

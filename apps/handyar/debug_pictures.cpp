@@ -4,19 +4,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
-#include <filesystem>
 #include <opencv2/imgproc.hpp>
 
 #include "annotate.hpp"
 #include "handyar/hand_shape.hpp"
-#include "handyar/io/error.hpp"
-#include "handyar/io/pending_file.hpp"
 #include "handyar/io/picture_file.hpp"
 
 namespace handyar::cli {
 namespace {
-
-namespace fs = std::filesystem;
 
 const cv::Scalar kTipColor{66, 228, 240}, kValleyColor{180, 105, 0}, kEllipseColor{80, 60, 230};
 
@@ -166,13 +161,6 @@ std::optional<FrameSet> parse_frames(const std::string& text) {
   }
 }
 
-DebugPictures::DebugPictures(std::string folder) : folder_(std::move(folder)) {
-  std::error_code fault;
-  fs::create_directories(folder_, fault);
-  if (fault) throw io::Error(folder_, "cannot be made: " + fault.message());
-  io::require_writable((fs::path(folder_) / "frame.png").string());
-}
-
 void DebugPictures::prepare(const HandTracker& tracker) {
   const auto ratios = tracker.color_ratios();
   ratios_.assign(ratios.begin(), ratios.end());
@@ -181,7 +169,7 @@ void DebugPictures::prepare(const HandTracker& tracker) {
 void DebugPictures::save(const cv::Mat& picture, const char* stage) const {
   char name[64];
   std::snprintf(name, sizeof name, "frame_%06lld_%s.png", static_cast<long long>(frame_), stage);
-  io::write_picture((fs::path(folder_) / name).string(), picture);
+  io::write_picture(folder_.file(name), picture);
 }
 
 void DebugPictures::write(const cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "handyar/tracker.hpp"
+#include "output_folder.hpp"
 
 namespace handyar::cli {
 
@@ -26,7 +27,7 @@ std::optional<FrameSet> parse_frames(const std::string& text);
 class DebugPictures {
  public:
   /// Makes the folder; throws io::Error when files cannot be written to it.
-  explicit DebugPictures(std::string folder);
+  explicit DebugPictures(const std::string& folder) : folder_(folder) {}
 
   /// Before the tracker processes a chosen frame: keeps what it will be segmented with.
   void prepare(const HandTracker& tracker);
@@ -38,7 +39,7 @@ class DebugPictures {
  private:
   void save(const cv::Mat& picture, const char* stage) const;
 
-  std::string folder_;
+  OutputFolder folder_;
   std::int64_t frame_ = 0;
   std::vector<std::int8_t> ratios_;
 };

@@ -1,31 +1,25 @@
 // SPDX-License-Identifier: MIT
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "command.hpp"
-#include "handyar/io/error.hpp"
 #include "handyar/io/sample.hpp"
 #include "object_on_hand.hpp"
+#include "output_folder.hpp"
 #include "tracking_run.hpp"
-
-namespace fs = std::filesystem;
 
 namespace handyar::cli {
 namespace {
 
-int demo(const std::string& folder, const std::string& skin_file) {
-  std::error_code fault;
-  fs::create_directories(folder, fault);
-  if (fault) throw io::Error(folder, "cannot be made: " + fault.message());
-
+int demo(const std::string& folder_path, const std::string& skin_file) {
+  const OutputFolder folder(folder_path);
   TrackingRun run;
   run.input = "sample";
   run.camera_file = io::data_file("sample/camera.yml");
   run.hand_file = io::data_file("sample/hand.json");
   run.skin_file = skin_file;
-  run.poses_out = (fs::path(folder) / "poses.csv").string();
-  run.video_out = (fs::path(folder) / "annotated.mp4").string();
+  run.poses_out = folder.file("poses.csv");
+  run.video_out = folder.file("annotated.mp4");
   run.overlay = object_on_hand("teapot", 0.09);
 
   const Summary summary = track(run);

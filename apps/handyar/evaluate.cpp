@@ -7,9 +7,8 @@
 
 #include "command.hpp"
 #include "handyar/evaluation/report.hpp"
-#include "handyar/io/error.hpp"
-#include "handyar/io/pending_file.hpp"
 #include "handyar/io/skin_file.hpp"
+#include "output_folder.hpp"
 
 namespace handyar::cli {
 namespace {
@@ -61,27 +60,6 @@ SequenceOptions sequence_options(const Evaluation& e) {
   return o;
 }
 
-/// The report's folder, gone again when nothing came into it.
-class ReportFolder {
- public:
-  explicit ReportFolder(const std::string& path) : path_(path) {
-    std::error_code fault;
-    made_ = fs::create_directories(path_, fault);
-    if (fault) throw io::Error(path, "cannot be written to: " + fault.message());
-    io::require_writable((path_ / "report.html").string());
-  }
-  ~ReportFolder() {
-    std::error_code ignored;
-    if (made_) fs::remove(path_, ignored);  // only an empty one can be
-  }
-  ReportFolder(const ReportFolder&) = delete;
-  ReportFolder& operator=(const ReportFolder&) = delete;
-
- private:
-  fs::path path_;
-  bool made_ = false;
-};
-
 int evaluate(const Evaluation& e) {
   if (e.sequences.empty() && e.stills.empty())
     throw WrongUsage("nothing to evaluate: give a SEQUENCE or --stills");
@@ -95,7 +73,7 @@ int evaluate(const Evaluation& e) {
   const std::vector<Sequence> sequences = open_sequences(e.sequences, options);
   const std::vector<Still> photographs =
       e.stills.empty() ? std::vector<Still>() : read_stills(e.stills);
-  const ReportFolder folder(e.report);
+  const OutputFolder folder(e.report);
 
   std::vector<Analysis> analyses;
   for (const Sequence& s : sequences) {
@@ -111,7 +89,7 @@ int evaluate(const Evaluation& e) {
   const RunDescription run{command_line(), HANDYAR_VERSION};
   for (const std::string& note : write_report(e.report, run, analyses, stills))
     std::cerr << "handyar: " << note << '\n';
-  std::cout << (fs::path(e.report) / "report.html").string() << '\n';
+  std::cout << folder.file("report.html") << '\n';
 
   // What could be read of a broken video is in the report; it is a failure all the same.
   int code = kDone;
