@@ -20,6 +20,13 @@ std::uint64_t near_region(const Mask& mask, int v, int word) {
 float luma(ColorBin bin) { return static_cast<float>(ycbcr_of(bin)[0]); }
 float redness(ColorBin bin) { return static_cast<float>(ycbcr_of(bin)[2]); }
 
+template <class Value>
+float mean(std::span<const ColorBin> bins, const Value& value) {
+  float sum = 0;
+  for (const ColorBin bin : bins) sum += value(bin);
+  return sum / std::max(1.0f, static_cast<float>(bins.size()));
+}
+
 /// The nails of a dark hand are lighter than it, and a hand whose nails were taken for background
 /// ends before them.
 class Nails {
@@ -28,10 +35,8 @@ class Nails {
   Nails(const HandShape& shape, std::span<const ColorBin> hand) noexcept
       : radius_(0.5f * shape.finger_width) {
     constexpr float kDark = 80, kRed = 2, kLighter = 1.3f;  // dark skin, no glove
-    Eigen::Vector2f sum = Eigen::Vector2f::Zero();          // of luma and redness
-    for (const ColorBin bin : hand) sum += Eigen::Vector2f(luma(bin), redness(bin));
-    const Eigen::Vector2f mean = sum / std::max(1.0f, static_cast<float>(hand.size()));
-    least_luma_ = mean.x() < kDark && mean.y() > kRed ? kLighter * mean.x() : 256;
+    hand_luma_ = mean(hand, luma);
+    least_luma_ = hand_luma_ < kDark && mean(hand, redness) > kRed ? kLighter * hand_luma_ : 256;
     for (int f = 0; f < kFingerCount; ++f)
       centres_[f] =
           shape.tips[f] + radius_ * (shape.tips[f] - shape.finger_base(f)).stableNormalized();
@@ -52,12 +57,17 @@ class Nails {
              return std::abs(static_cast<float>(u) - span.middle) < span.half;
            });
   }
+  /// A hand before this background is dark itself, not only in the dark.
+  bool stand_out(std::span<const ColorBin> background) const noexcept {
+    constexpr float kBrighter = 1.8f;
+    return mean(background, luma) > kBrighter * hand_luma_;
+  }
 
  private:
   struct Span {
     float middle, half;
   };
-  float radius_, least_luma_;
+  float radius_, hand_luma_, least_luma_;
   std::array<Eigen::Vector2f, kFingerCount> centres_;  // of discs just beyond the tips
   std::array<Span, kFingerCount> in_row_;
   int count_ = 0;
@@ -100,6 +110,7 @@ void sample_skin(const BinView& image, const Mask* mask, const HandShape& shape,
   const int v1 = std::min(image.height - grid, int(around.max().y()));
   const HandReach reach(shape);
   Nails nails(shape, samples.hand);
+  const auto hand_count = static_cast<std::ptrdiff_t>(samples.hand.size());
   for (int v = v0; v < v1; v += grid) {
     const ColorBin* const row = image.row(v);
     nails.enter(v);
@@ -112,10 +123,17 @@ void sample_skin(const BinView& image, const Mask* mask, const HandShape& shape,
         if (samples.hand.size() < SkinSamples::kMax) samples.hand.push_back(row[u]);
         continue;
       }
-      if (samples.background.size() == SkinSamples::kMax) return;
+      if (samples.background.size() == SkinSamples::kMax) break;
       samples.background.push_back(row[u]);
     }
   }
+  // In dim light any hand is dark.
+  const auto nail = samples.hand.begin() + hand_count;
+  if (nail == samples.hand.end() || nails.stand_out(samples.background)) return;
+  const auto room = static_cast<std::ptrdiff_t>(SkinSamples::kMax - samples.background.size());
+  samples.background.insert(samples.background.end(), nail,
+                            nail + std::min(room, samples.hand.end() - nail));
+  samples.hand.erase(nail, samples.hand.end());
 }
 
 }  // namespace handyar

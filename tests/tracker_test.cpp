@@ -276,7 +276,7 @@ TEST(Tracker, TheNailsOfADarkHandBelongToIt) {
   film.present = false;
   film.textured = true;
   film.extra = [&film](Picture& p) {
-    p.paint(film.hand, film.camera, film.T_camera_hand, {60, 66, 90});
+    p.paint(film.hand, film.camera, film.T_camera_hand, {42, 46, 66});
     const HandModel seen = film.hand_model.for_layout(film.hand.layout);
     const double radius_px = 0.0075 * film.camera.fx_px / film.T_camera_hand.translation().z();
     for (int f = 0; f < kFingerCount; ++f) {
