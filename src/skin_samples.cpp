@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 
 namespace handyar {
@@ -109,17 +110,18 @@ void sample_skin(const BinView& image, const Mask* mask, const HandShape& shape,
   const int u1 = std::min(image.width - grid, int(around.max().x()));
   const int v1 = std::min(image.height - grid, int(around.max().y()));
   const HandReach reach(shape);
-  Nails nails(shape, samples.hand);
+  std::optional<Nails> nails;  // beyond a hand that was only searched for, nothing is known
+  if (mask != nullptr) nails.emplace(shape, samples.hand);
   const auto hand_count = static_cast<std::ptrdiff_t>(samples.hand.size());
   for (int v = v0; v < v1; v += grid) {
     const ColorBin* const row = image.row(v);
-    nails.enter(v);
+    if (nails) nails->enter(v);
     std::uint64_t near = ~std::uint64_t{0};
     for (int u = u0, word = -1; u < u1; u += grid) {
       if (mask != nullptr && u >> 6 != word) near = near_region(*mask, v, word = u >> 6);
       // What hangs together with the hand and yet cannot be a part of it is background too.
       if ((near >> (u & 63) & 1) != 0 && reach.holds({float(u), float(v)})) continue;
-      if (mask != nullptr && nails.hold(row[u], u)) {
+      if (nails && nails->hold(row[u], u)) {
         if (samples.hand.size() < SkinSamples::kMax) samples.hand.push_back(row[u]);
         continue;
       }
@@ -129,7 +131,7 @@ void sample_skin(const BinView& image, const Mask* mask, const HandShape& shape,
   }
   // In dim light any hand is dark.
   const auto nail = samples.hand.begin() + hand_count;
-  if (nail == samples.hand.end() || nails.stand_out(samples.background)) return;
+  if (nail == samples.hand.end() || nails->stand_out(samples.background)) return;
   const auto room = static_cast<std::ptrdiff_t>(SkinSamples::kMax - samples.background.size());
   samples.background.insert(samples.background.end(), nail,
                             nail + std::min(room, samples.hand.end() - nail));

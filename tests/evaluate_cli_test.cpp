@@ -65,6 +65,12 @@ TEST_F(EvaluateCli, AFaultyInputLeavesNoReport) {
   expect_refused("--stills " + list + report, 1, "broken.png: is not a picture");
 }
 
+TEST_F(EvaluateCli, AReportThatCannotBeWrittenIsToldBeforeTheWork) {
+  fs::create_directories(root_ / "taken" / "report.html");
+  expect_refused(kVideo + " --report " + file("taken"), 1, "report.html");
+  EXPECT_FALSE(fs::exists(root_ / "taken" / "errors.csv"));
+}
+
 TEST_F(EvaluateCli, OptionsThatCannotBeAreWrongUsage) {
   expect_refused(kVideo + " --report ''", 2, "--report");
   for (const char* board : {"8x60000", "8", "2x6", "8x6 "})

@@ -27,7 +27,7 @@ std::optional<FrameSet> parse_frames(const std::string& text);
 class DebugPictures {
  public:
   /// Makes the folder; throws io::Error when files cannot be written to it.
-  explicit DebugPictures(const std::string& folder) : folder_(folder) {}
+  explicit DebugPictures(const std::string& folder) : folder_(folder, {"frame.png"}) {}
 
   /// Before the tracker processes a chosen frame: keeps what it will be segmented with.
   void prepare(const HandTracker& tracker);

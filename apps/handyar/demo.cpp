@@ -12,7 +12,7 @@ namespace handyar::cli {
 namespace {
 
 int demo(const std::string& folder_path, const std::string& skin_file) {
-  const OutputFolder folder(folder_path);
+  const OutputFolder folder(folder_path, {"poses.csv", "annotated.mp4"});
   TrackingRun run;
   run.input = "sample";
   run.camera_file = io::data_file("sample/camera.yml");

@@ -73,7 +73,8 @@ int evaluate(const Evaluation& e) {
   const std::vector<Sequence> sequences = open_sequences(e.sequences, options);
   const std::vector<Still> photographs =
       e.stills.empty() ? std::vector<Still>() : read_stills(e.stills);
-  const OutputFolder folder(e.report);
+  const OutputFolder folder(e.report,
+                            {"report.html", "errors.csv", "stills.csv", "tables.csv", "tables.md"});
 
   std::vector<Analysis> analyses;
   for (const Sequence& s : sequences) {

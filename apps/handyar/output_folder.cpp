@@ -10,11 +10,12 @@ namespace fs = std::filesystem;
 
 namespace handyar::cli {
 
-OutputFolder::OutputFolder(const std::string& path) : path_(path) {
+OutputFolder::OutputFolder(const std::string& path, std::initializer_list<const char*> results)
+    : path_(path) {
   std::error_code fault;
   made_ = fs::create_directories(path_, fault);
   if (fault) throw io::Error(path_, "cannot be made: " + fault.message());
-  io::require_writable(file("results"));
+  for (const char* const name : results) io::require_writable(file(name));
 }
 
 OutputFolder::~OutputFolder() {
