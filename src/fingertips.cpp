@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "vectorised.hpp"
@@ -188,6 +189,84 @@ Eigen::Vector2f measure_tip(const Contour& contour, float arc, const Eigen::Vect
   const Eigen::Vector2f end = ellipse.end_away_from(base);
   // An ellipse that runs far past the contour was fitted to something else than a fingertip.
   return (end - tip).norm() > 0.75f * width ? tip : end;
+}
+
+namespace {
+
+/// A straight line fitted to contour points by least squares: across = offset + slope * along.
+struct StraightSide {
+  double n = 0, a = 0, w = 0, aa = 0, aw = 0, ww = 0;
+  void add(double along, double across) {
+    n += 1;
+    a += along;
+    w += across;
+    aa += along * along;
+    aw += along * across;
+    ww += across * across;
+  }
+  double slope() const { return (n * aw - a * w) / (n * aa - a * a); }
+  double across_at(double along) const { return w / n + slope() * (along - a / n); }
+  double rms() const {
+    const double explained = slope() * (aw - a * w / n);
+    return std::sqrt(std::max(0.0, (ww - w * w / n - explained) / n));
+  }
+};
+
+/// Contour points from one between `from` and `to` along a finger, going `step` at a time from its
+/// tip. False when the contour leaves the finger before.
+bool follow_side(const Contour& contour, int tip, int step, const Eigen::Vector2f& along,
+                 float from, float to, float width, StraightSide& side) {
+  const Eigen::Vector2f start = contour[tip], across(-along.y(), along.x());
+  const int n = contour.size();
+  for (int k = 0, i = tip; k < n / 2; ++k) {
+    const Eigen::Vector2f d = contour[i] - start;
+    const float a = d.dot(along), w = d.dot(across);
+    if (a > to) return static_cast<float>(side.n) > 0.5f * (to - from);
+    if (std::abs(w) > 1.5f * width) return false;
+    if (a >= from) side.add(static_cast<double>(a), static_cast<double>(w));
+    i += step;
+    if (i == n) i = 0;
+    if (i < 0) i = n - 1;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool measure_axis(const Contour& contour, float arc, const Eigen::Vector2f& base,
+                  std::span<const Eigen::Vector2f> valleys, float width,
+                  MeasuredAxis& out) noexcept {
+  constexpr float kFrom = 0.25f, kTo = 0.8f;     // of the way from the tip to the nearer valley
+  constexpr float kRound = 0.6f, kShort = 0.7f;  // of the width: the end, the least length
+  constexpr double kRagged = 0.12, kThin = 0.4, kThick = 1.7;  // of the width
+  const int tip = contour.index_at(arc);
+  const Eigen::Vector2f start = contour[tip];
+  Eigen::Vector2f along = (base - start).stableNormalized();
+  // The second time along the axis that the first has found: the same part of the finger is
+  // measured, wherever its base was thought to be.
+  for (int pass = 0; pass < 2; ++pass) {
+    float depth = std::numeric_limits<float>::max();
+    for (const Eigen::Vector2f& v : valleys) depth = std::min(depth, (v - start).dot(along));
+    const float from = std::max(kFrom * depth, kRound * width), to = kTo * depth;
+    if (!(to - from > kShort * width)) return false;
+    std::array<StraightSide, 2> sides;
+    for (int k = 0; k < 2; ++k) {
+      if (!follow_side(contour, tip, k == 0 ? 1 : -1, along, from, to, width, sides[k]))
+        return false;
+      if (sides[k].rms() > kRagged * static_cast<double>(width)) return false;
+    }
+    const auto at = [&](float a) -> Eigen::Vector2f {
+      const double w = 0.5 * (sides[0].across_at(a) + sides[1].across_at(a));
+      return start + a * along + static_cast<float>(w) * Eigen::Vector2f(-along.y(), along.x());
+    };
+    for (const float a : {from, to}) {
+      const double wide = std::abs(sides[0].across_at(a) - sides[1].across_at(a)) / width;
+      if (!(wide > kThin && wide < kThick)) return false;
+    }
+    out = {at(from), at(to)};
+    along = (out.root - out.end).stableNormalized();
+  }
+  return true;
 }
 
 Eigen::Vector2f measure_valley(const Contour& contour, const Eigen::Vector2f& near,

@@ -25,6 +25,8 @@ HandModel HandModel::for_layout(Layout wanted) const {
   m.layout = wanted;
   m.tips_m.row(0) *= -1;
   m.valleys_m.row(0) *= -1;
+  m.axis_ends_m.row(0) *= -1;
+  m.axis_roots_m.row(0) *= -1;
   for (Eigen::Vector2d& p : m.outline_m) p.x() = -p.x();
   return m;
 }

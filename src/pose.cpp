@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "handyar/planar_pose.hpp"
-#include "pose_points.hpp"
+#include "pose_features.hpp"
 #include "pose_refinement.hpp"
 #include "so3.hpp"
 
@@ -18,15 +18,14 @@ namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// Up to two poses that explain the points, the more probable first.
+/// Up to two poses that explain what was seen, the more probable first.
 struct Hypotheses {
   std::array<FittedPose, 2> pose;
   std::array<double, 2> deviance{};  ///< -2 log of likelihood times prior
   int count = 0;
-  int points = 0;
+  double degrees_of_freedom = 0;
 
-  double degrees_of_freedom() const { return 2.0 * points - 6; }
-  double reduced_chi2() const { return pose[0].chi2 / degrees_of_freedom(); }
+  double reduced_chi2() const { return pose[0].chi2 / degrees_of_freedom; }
 
   void push_back(const FittedPose& p, double d) {
     if (count == 2 && d >= deviance[1]) return;
@@ -71,17 +70,17 @@ bool near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double within)
   return d.head<3>().norm() < within && d.tail<3>().norm() < within * a.translation().norm();
 }
 
-/// Different poses in the neighbourhood of which the points are explained.
+/// Different poses in the neighbourhood of which what was seen is explained.
 class Candidates {
  public:
-  Candidates(const PosePoints& points, const Camera& camera, double huber)
-      : points_(points), camera_(camera), huber_(huber) {}
+  Candidates(const PoseFeatures& features, const Camera& camera, double huber)
+      : features_(features), camera_(camera), huber_(huber) {}
 
   /// Refines from `start`; keeps the result unless it is known already.
   void add(const Eigen::Isometry3d& start) {
     constexpr double kSame = 1e-3;
     if (!faces_camera(start)) return;
-    const std::optional<FittedPose> fit = refine(points_, camera_, huber_, start);
+    const std::optional<FittedPose> fit = refine(features_, camera_, huber_, start);
     if (fit && faces_camera(fit->T_camera_hand) && !knows(fit->T_camera_hand, kSame))
       fits_[count_++] = *fit;
   }
@@ -101,7 +100,7 @@ class Candidates {
                        [&](const FittedPose& f) { return near(f.T_camera_hand, T, within); });
   }
 
-  const PosePoints& points_;
+  const PoseFeatures& features_;
   const Camera& camera_;
   double huber_;
   std::array<FittedPose, 3> fits_;
@@ -109,20 +108,20 @@ class Candidates {
 };
 
 /// Refines from both planar solutions and the prediction, keeps the different results.
-Hypotheses solve(const PosePoints& points, const Camera& camera, double huber,
+Hypotheses solve(const PoseFeatures& features, const Camera& camera, double huber,
                  const PosePrior& prior) {
   Hypotheses result;
-  result.points = points.count;
+  result.degrees_of_freedom = features.degrees_of_freedom();
   std::array<Eigen::Vector2d, kMaxPosePoints> plane_m, normalised;
-  for (int i = 0; i < points.count; ++i) {
-    plane_m[i] = points.at[i].hand_m.head<2>();
-    normalised[i] = camera.unproject(points.at[i].px);
+  const std::size_t n = features.points().size();
+  for (std::size_t i = 0; i < n; ++i) {
+    plane_m[i] = features.point[i].hand_m.head<2>();
+    normalised[i] = camera.unproject(features.point[i].px);
   }
-  const std::size_t n = static_cast<std::size_t>(points.count);
   const auto planar = solve_planar({plane_m.data(), n}, {normalised.data(), n});
   if (!planar) return result;
 
-  Candidates candidates(points, camera, huber);
+  Candidates candidates(features, camera, huber);
   for (const PlanarPose& p : *planar) candidates.add(p.T_camera_plane);
   if (prior.prediction && !candidates.knows_basin_of(prior.prediction->T_camera_hand))
     candidates.add(prior.prediction->T_camera_hand);
@@ -130,7 +129,7 @@ Hypotheses solve(const PosePoints& points, const Camera& camera, double huber,
   // Where even the best fits badly, the noise is larger than stated and residuals decide less.
   double inflation = std::numeric_limits<double>::infinity();
   for (const FittedPose& fit : candidates)
-    inflation = std::min(inflation, std::max(1.0, fit.chi2 / result.degrees_of_freedom()));
+    inflation = std::min(inflation, std::max(1.0, fit.chi2 / result.degrees_of_freedom));
   for (const FittedPose& fit : candidates)
     result.push_back(fit, fit.deviance / inflation + prior_deviance(fit, prior));
   return result;
@@ -138,24 +137,24 @@ Hypotheses solve(const PosePoints& points, const Camera& camera, double huber,
 
 /// Drops one point when that alone turns a bad fit into a good one, a tip that is another's or
 /// none. With few points some subset always fits: then all stay and the covariance grows.
-Hypotheses solve_without_outlier(PosePoints& points, const Camera& camera, double huber,
+Hypotheses solve_without_outlier(PoseFeatures& features, const Camera& camera, double huber,
                                  const PosePrior& prior) {
   constexpr int kEnough = 7;
   constexpr double kBad = 5, kGood = 2;  // of reduced chi2
-  const Hypotheses all = solve(points, camera, huber, prior);
-  if (points.count < kEnough || all.count == 0 || all.reduced_chi2() < kBad) return all;
+  const Hypotheses all = solve(features, camera, huber, prior);
+  if (features.point_count < kEnough || all.count == 0 || all.reduced_chi2() < kBad) return all;
   Hypotheses best = all;
   double best_chi2 = kGood;
-  PosePoints best_points = points;
-  for (int i = 0; i < points.count; ++i) {
-    const PosePoints rest = points.without(i);
+  PoseFeatures best_features = features;
+  for (int i = 0; i < features.point_count; ++i) {
+    const PoseFeatures rest = features.without_point(i);
     const Hypotheses h = solve(rest, camera, huber, prior);
     if (h.count == 0 || h.reduced_chi2() >= best_chi2) continue;
     best_chi2 = h.reduced_chi2();
     best = h;
-    best_points = rest;
+    best_features = rest;
   }
-  points = best_points;
+  features = best_features;
   return best;
 }
 
@@ -171,16 +170,18 @@ double model_scale(double chi2, double degrees_of_freedom) {
 /// The size of a hand is known to this share, and with it the distance: no disagreement shows it.
 constexpr double kScaleSigma = 0.006;
 
-PoseEstimate summarise(const Hypotheses& h, const PosePoints& points, const Camera& camera) {
+PoseEstimate summarise(const Hypotheses& h, const PoseFeatures& features) {
   const FittedPose& best = h.pose[0];
   PoseEstimate e;
   e.T_camera_hand = best.T_camera_hand;
   e.rms_px = best.rms_px;
   e.reduced_chi2 = h.reduced_chi2();
-  e.points_used = points.count;
+  e.points_used = features.point_count;
+  e.axes_used = features.line_count;
+  e.spread_rad = best.spread_rad;
   e.noise_covariance = best.noise_covariance * std::max(1.0, e.reduced_chi2);
   const Eigen::Vector3d scale_m = kScaleSigma * best.T_camera_hand.translation();
-  e.covariance = e.noise_covariance + model_scale(best.chi2, h.degrees_of_freedom()) *
+  e.covariance = e.noise_covariance + model_scale(best.chi2, h.degrees_of_freedom) *
                                           (best.covariance - best.noise_covariance);
   e.covariance.bottomRightCorner<3, 3>() += scale_m * scale_m.transpose();
   if (h.count == 2) {
@@ -191,8 +192,6 @@ PoseEstimate summarise(const Hypotheses& h, const PosePoints& points, const Came
     e.covariance += ambiguous;
     e.noise_covariance += ambiguous;  // the noise decides which of the two it is
   }
-  for (const PosePoint& p : points)
-    if (p.finger >= 0) e.spread_rad[p.finger] = spread_rad(p, camera, best.T_camera_hand);
   return e;
 }
 
@@ -217,24 +216,22 @@ PoseEstimate mixture(const PoseEstimate& a, const PoseEstimate& b, double probab
 std::optional<PoseEstimate> estimate_pose(const HandObservation& observation, const HandModel& hand,
                                           const Camera& camera, const PoseConfig& config,
                                           const PosePrior& prior) noexcept {
-  std::optional<PosePoints> points = pose_points(observation, hand, config);
-  if (!points) return std::nullopt;
-  PosePoints mirrored = *points;
-  for (PosePoint& p : mirrored.at) p.hand_m.z() = -p.hand_m.z();
+  std::optional<PoseFeatures> features = pose_features(observation, hand, config);
+  if (!features) return std::nullopt;
+  PoseFeatures mirrored = features->mirrored();
 
   const double p_model = std::clamp(prior.relief_probability, 0.0, 1.0);
-  const bool flat =
-      std::ranges::all_of(*points, [](const PosePoint& p) { return p.hand_m.z() == 0; });
+  const bool flat = features->flat();
   std::optional<PoseEstimate> by_model, by_mirrored;
   double deviance_model = 0, deviance_mirrored = 0;
   if (p_model > 0 || flat) {
-    const Hypotheses h = solve_without_outlier(*points, camera, config.huber, prior);
-    if (h.count > 0) by_model = summarise(h, *points, camera);
+    const Hypotheses h = solve_without_outlier(*features, camera, config.huber, prior);
+    if (h.count > 0) by_model = summarise(h, *features);
     if (h.count > 0) deviance_model = h.pose[0].deviance;
   }
   if (p_model < 1 && !flat) {
     const Hypotheses h = solve_without_outlier(mirrored, camera, config.huber, prior);
-    if (h.count > 0) by_mirrored = summarise(h, mirrored, camera);
+    if (h.count > 0) by_mirrored = summarise(h, mirrored);
     if (h.count > 0) deviance_mirrored = h.pose[0].deviance;
   }
   if (!by_model) return by_mirrored;

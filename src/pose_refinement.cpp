@@ -13,9 +13,11 @@ namespace handyar {
 namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Spreads = std::array<double, kFingerCount>;
 
 constexpr int kMaxIterations = 20;
 constexpr double kMinDepth_m = 0.01;
+constexpr int kMaxFeatures = kMaxPosePoints + kFingerCount;
 
 double huber_cost(double s2, double k) { return s2 <= k * k ? s2 : 2 * k * std::sqrt(s2) - k * k; }
 double huber_weight(double s2, double k) { return s2 <= k * k ? 1.0 : k / std::sqrt(s2); }
@@ -32,85 +34,190 @@ Eigen::Vector3d seen_m(const PosePoint& p, const Eigen::Isometry3d& T) {
   return outline_end_m(at, T.linear() * p.direction, p.radius_m, Eigen::Vector3d::Zero());
 }
 
-/// The problem linearised at one pose.
-struct Linearised {
-  Matrix6d H = Matrix6d::Zero();  ///< J' W J
-  Vector6d g = Vector6d::Zero();  ///< J' W r
-  double cost = 0, chi2 = 0;
-  double tips = 0, tips_px2 = 0;  ///< weights of fingertips by pixel noise; of them and residuals
-  // Of each point:
-  std::array<Eigen::Matrix2d, kMaxPosePoints> information;      ///< of the residual, per px^2
-  std::array<Eigen::Matrix<double, 6, 2>, kMaxPosePoints> JtW;  ///< its share of J' W
+struct State {
+  Eigen::Isometry3d T_camera_hand;
+  Spreads spread_rad{};
+
+  double spread_of(int finger) const { return finger < 0 ? 0 : spread_rad[finger]; }
+
+  State moved(const Vector6d& step, const Spreads& turn) const {
+    State next;
+    next.T_camera_hand = Eigen::Isometry3d::Identity();
+    const Eigen::Quaterniond q =
+        so3::exp(step.head<3>()) * Eigen::Quaterniond(T_camera_hand.linear());
+    next.T_camera_hand.linear() = q.normalized().matrix();
+    next.T_camera_hand.translation() = T_camera_hand.translation() + step.tail<3>();
+    for (int f = 0; f < kFingerCount; ++f) next.spread_rad[f] = spread_rad[f] + turn[f];
+    return next;
+  }
 };
 
-bool linearise(const PosePoints& points, const Camera& camera, double huber,
-               const Eigen::Isometry3d& T, Linearised& out) {
+/// A point or a line at one state: two residuals in pixels and what they depend on.
+struct Residual {
+  Eigen::Vector2d r;                ///< seen - projected
+  Eigen::Matrix<double, 2, 6> J;    ///< of what is projected, by the pose
+  Eigen::Vector2d j;                ///< and by the finger's spread
+  Eigen::Matrix2d information;      ///< of r
+  Eigen::Matrix<double, 6, 2> JtW;  ///< J' times the weighted information
+  Eigen::RowVector2d jtW;
+  double sigma_px;  ///< the part of r's deviation that is new in each frame
+  int finger;       ///< -1: none
+};
+
+bool evaluate(const PosePoint& p, const Camera& camera, const State& at, Residual& out) {
+  PosePoint turned = p;
+  turned.hand_m += at.spread_of(p.finger) * p.per_spread_m;
+  Eigen::Matrix<double, 2, 3> J_hand;
+  if (!reprojection(turned, camera, at.T_camera_hand, out.r, out.J, J_hand)) return false;
+  const double flat = flatness(at.T_camera_hand, p.hand_m);
+  Eigen::Matrix2d S = J_hand * (p.covariance_m2 + flat * flat * p.wander_m2) * J_hand.transpose();
+  S.diagonal().array() += p.sigma_px * p.sigma_px;
+  out.information = S.inverse();
+  out.j = J_hand * p.per_spread_m;
+  out.sigma_px = p.sigma_px;
+  out.finger = p.finger;
+  return true;
+}
+
+bool evaluate(const PoseLine& l, const Camera& camera, const State& at, Residual& out) {
+  Eigen::Matrix2d S;
+  if (!offset_of_line(l, camera, at.T_camera_hand, at.spread_of(l.finger), out.r, out.J, out.j, S))
+    return false;
+  out.information = S.inverse();
+  out.sigma_px = l.sigma_px;
+  out.finger = l.finger;
+  return true;
+}
+
+/// The problem linearised at one state. Each finger's spread is eliminated: H, g and the residuals'
+/// JtW are what is left for the pose.
+struct Linearised {
+  Matrix6d H;  ///< J' W J
+  Vector6d g;  ///< J' W r
+  double cost = 0, chi2 = 0;
+  double tips = 0, tips_px2 = 0;  ///< weights of fingertips by pixel noise; of them and residuals
+  std::array<Residual, kMaxFeatures> residuals;
+  int count = 0;
+
+  struct Finger {
+    double h = 0, g = 0;  ///< of the spread itself
+    Vector6d with_pose = Vector6d::Zero();
+  };
+  std::array<Finger, kFingerCount> fingers;
+  bool rigid = true;
+
+  /// How the spreads change where the pose changes by `step`.
+  Spreads turn(const Vector6d& step) const {
+    Spreads turn{};
+    for (int f = 0; f < kFingerCount && !rigid; ++f)
+      turn[f] = (fingers[f].g - fingers[f].with_pose.dot(step)) / fingers[f].h;
+    return turn;
+  }
+};
+
+template <class Feature>
+bool add(const Feature& feature, const Camera& camera, double huber, const State& at,
+         Linearised& out) {
+  Residual& e = out.residuals[out.count++];
+  if (!evaluate(feature, camera, at, e)) return false;
+  const double s2 = e.r.dot(e.information * e.r);
+  const Eigen::Matrix2d W = huber_weight(s2, huber) * e.information;
+  e.JtW.noalias() = e.J.transpose() * W;
+  e.jtW.noalias() = e.j.transpose() * W;
+  out.H.noalias() += e.JtW * e.J;
+  out.g.noalias() += e.JtW * e.r;
+  out.cost += huber_cost(s2, huber);
+  out.chi2 += s2;
+  if (e.finger >= 0 && !out.rigid) {
+    Linearised::Finger& finger = out.fingers[e.finger];
+    finger.h += e.jtW * e.j;
+    finger.g += e.jtW * e.r;
+    finger.with_pose += e.JtW * e.j;
+  }
+  return true;
+}
+
+bool linearise(const PoseFeatures& features, const Camera& camera, double huber, const State& at,
+               Linearised& out) {
   out.H.setZero();
   out.g.setZero();
   out.cost = out.chi2 = out.tips = out.tips_px2 = 0;
-  for (int i = 0; i < points.count; ++i) {
-    const PosePoint& p = points.at[i];
-    Eigen::Vector2d r;
-    Eigen::Matrix<double, 2, 6> J;
-    Eigen::Matrix<double, 2, 3> J_hand;
-    if (!reprojection(p, camera, T, r, J, J_hand)) return false;
-    const double flat = flatness(T, p.hand_m);
-    Eigen::Matrix2d S = J_hand * (p.covariance_m2 + flat * flat * p.wander_m2) * J_hand.transpose();
-    S.diagonal().array() += p.sigma_px * p.sigma_px;
-    const Eigen::Matrix2d information = S.inverse();
-    const double s2 = r.dot(information * r);
-    Eigen::Matrix<double, 6, 2>& JtW = out.JtW[i];
-    JtW.noalias() = J.transpose() * (huber_weight(s2, huber) * information);
-    out.H.noalias() += JtW * J;
-    out.g.noalias() += JtW * r;
-    out.cost += huber_cost(s2, huber);
-    out.chi2 += s2;
-    if (p.finger >= 0) {
-      const double weight = 1 / (p.sigma_px * p.sigma_px);
-      out.tips_px2 += weight * r.squaredNorm();
-      out.tips += weight;
-    }
-    out.information[i] = information;
+  out.count = 0;
+  out.rigid = features.spread_sigma_rad == 0;
+  const double prior = out.rigid ? 0 : 1 / (features.spread_sigma_rad * features.spread_sigma_rad);
+  for (int f = 0; f < kFingerCount; ++f) {
+    const double spread = at.spread_rad[f];
+    out.fingers[f] = {prior, -prior * spread, Vector6d::Zero()};
+    out.cost += prior * spread * spread;
+    out.chi2 += prior * spread * spread;
+  }
+  for (const PosePoint& p : features.points()) {
+    if (!add(p, camera, huber, at, out)) return false;
+    if (p.finger < 0) continue;
+    const Residual& tip = out.residuals[out.count - 1];
+    const double weight = 1 / (p.sigma_px * p.sigma_px);
+    out.tips_px2 += weight * (tip.r + at.spread_of(p.finger) * tip.j).squaredNorm();
+    out.tips += weight;
+  }
+  for (const PoseLine& l : features.lines())
+    if (!add(l, camera, huber, at, out)) return false;
+  if (out.rigid) return std::isfinite(out.cost);
+
+  for (const Linearised::Finger& finger : out.fingers) {
+    out.H.noalias() -= finger.with_pose * finger.with_pose.transpose() / finger.h;
+    out.g -= finger.with_pose * (finger.g / finger.h);
+  }
+  for (int i = 0; i < out.count; ++i) {
+    Residual& e = out.residuals[i];
+    if (e.finger < 0) continue;
+    const Linearised::Finger& finger = out.fingers[e.finger];
+    e.JtW.noalias() -= finger.with_pose / finger.h * e.jtW;
   }
   return std::isfinite(out.cost);
 }
 
-/// Cost at another pose with the weights of this one; infinite behind the camera.
-double cost_at(const PosePoints& points, const Camera& camera, double huber,
-               const Eigen::Isometry3d& T, const Linearised& at) {
+/// Cost at another state with the weights of this one; infinite behind the camera.
+double cost_at(const PoseFeatures& features, const Camera& camera, double huber, const State& at,
+               const Linearised& weights) {
   double cost = 0;
-  for (int i = 0; i < points.count; ++i) {
-    const Eigen::Vector3d p = seen_m(points.at[i], T);
-    if (!(p.z() > kMinDepth_m)) return std::numeric_limits<double>::infinity();
-    const Eigen::Vector2d r = points.at[i].px - camera.project(p);
-    cost += huber_cost(r.dot(at.information[i] * r), huber);
+  if (!weights.rigid)
+    for (const double spread : at.spread_rad)
+      cost += spread * spread / (features.spread_sigma_rad * features.spread_sigma_rad);
+  int i = 0;
+  for (const PosePoint& p : features.points()) {
+    PosePoint turned = p;
+    turned.hand_m += at.spread_of(p.finger) * p.per_spread_m;
+    const Eigen::Vector3d seen = seen_m(turned, at.T_camera_hand);
+    if (!(seen.z() > kMinDepth_m)) return std::numeric_limits<double>::infinity();
+    const Eigen::Vector2d r = p.px - camera.project(seen);
+    cost += huber_cost(r.dot(weights.residuals[i++].information * r), huber);
+  }
+  for (const PoseLine& l : features.lines()) {
+    Residual e;
+    if (!evaluate(l, camera, at, e)) return std::numeric_limits<double>::infinity();
+    cost += huber_cost(e.r.dot(weights.residuals[i++].information * e.r), huber);
   }
   return cost;
 }
 
-Eigen::Isometry3d moved(const Eigen::Isometry3d& T, const Vector6d& step) {
-  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
-  const Eigen::Quaterniond q = so3::exp(step.head<3>()) * Eigen::Quaterniond(T.linear());
-  result.linear() = q.normalized().matrix();
-  result.translation() = T.translation() + step.tail<3>();
-  return result;
-}
-
-/// The fit at a pose, with its covariance.
-std::optional<FittedPose> fit_at(const PosePoints& points, const Camera& camera, double huber,
-                                 const Eigen::Isometry3d& T) {
+/// The fit at a state, with its covariance.
+std::optional<FittedPose> fit_at(const PoseFeatures& features, const Camera& camera, double huber,
+                                 const State& state) {
   Linearised at;
-  if (!linearise(points, camera, huber, T, at)) return std::nullopt;
+  if (!linearise(features, camera, huber, state, at)) return std::nullopt;
   const Eigen::LDLT<Matrix6d> ldlt(at.H);
   if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 0)) return std::nullopt;
   FittedPose fit;
-  fit.T_camera_hand = T;
+  fit.T_camera_hand = state.T_camera_hand;
+  fit.spread_rad = state.spread_rad;
   fit.covariance = ldlt.solve(Matrix6d::Identity());
   fit.covariance = 0.5 * (fit.covariance + fit.covariance.transpose()).eval();
   if (!fit.covariance.allFinite()) return std::nullopt;
   Matrix6d noise = Matrix6d::Zero();  // covariance of g from pixel noise
-  for (int i = 0; i < points.count; ++i)
-    noise += points.at[i].sigma_px * points.at[i].sigma_px * at.JtW[i] * at.JtW[i].transpose();
+  for (int i = 0; i < at.count; ++i) {
+    const Residual& e = at.residuals[i];
+    noise += e.sigma_px * e.sigma_px * e.JtW * e.JtW.transpose();
+  }
   fit.noise_covariance = fit.covariance * noise * fit.covariance;
   fit.deviance = at.cost;
   fit.chi2 = at.chi2;
@@ -120,11 +227,26 @@ std::optional<FittedPose> fit_at(const PosePoints& points, const Camera& camera,
 
 }  // namespace
 
-PosePoints PosePoints::without(int index) const {
-  PosePoints rest;
-  for (int i = 0; i < count; ++i)
-    if (i != index) rest.push_back(at[i]);
+PoseFeatures PoseFeatures::without_point(int index) const {
+  PoseFeatures rest = *this;
+  std::copy(point.begin() + index + 1, point.begin() + point_count, rest.point.begin() + index);
+  --rest.point_count;
   return rest;
+}
+
+PoseFeatures PoseFeatures::mirrored() const {
+  PoseFeatures m = *this;
+  for (PosePoint& p : m.point) p.hand_m.z() = -p.hand_m.z();
+  for (PoseLine& l : m.line)
+    for (Eigen::Vector3d& p : l.hand_m) p.z() = -p.z();
+  return m;
+}
+
+bool PoseFeatures::flat() const {
+  return std::ranges::all_of(points(), [](const PosePoint& p) { return p.hand_m.z() == 0; }) &&
+         std::ranges::all_of(lines(), [](const PoseLine& l) {
+           return l.hand_m[0].z() == 0 && l.hand_m[1].z() == 0;
+         });
 }
 
 bool reprojection(const PosePoint& point, const Camera& camera, const Eigen::Isometry3d& T,
@@ -153,41 +275,74 @@ bool reprojection(const PosePoint& point, const Camera& camera, const Eigen::Iso
   return residual_px.allFinite();
 }
 
-std::optional<FittedPose> refine(const PosePoints& points, const Camera& camera, double huber,
+bool offset_of_line(const PoseLine& line, const Camera& camera, const Eigen::Isometry3d& T,
+                    double spread_rad, Eigen::Vector2d& residual_px,
+                    Eigen::Matrix<double, 2, 6>& J_pose, Eigen::Vector2d& J_spread,
+                    Eigen::Matrix2d& covariance_px2) {
+  constexpr double kShortest_px = 4;
+  std::array<Eigen::Vector2d, 2> at_px;
+  std::array<Eigen::Vector3d, 2> turned_m;  // about the hand's origin, in camera axes
+  std::array<Eigen::Matrix<double, 2, 3>, 2> J_point;
+  for (int k = 0; k < 2; ++k) {
+    turned_m[k] = T.linear() * (line.hand_m[k] + spread_rad * line.per_spread_m[k]);
+    const Eigen::Vector3d at = turned_m[k] + T.translation();
+    if (!(at.z() > kMinDepth_m)) return false;
+    at_px[k] = camera.project(at, &J_point[k]);
+  }
+  residual_px.setZero();
+  J_pose.setZero();
+  J_spread.setZero();
+  covariance_px2 = line.sigma_px * line.sigma_px * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d along = at_px[1] - at_px[0];
+  const double length2 = along.squaredNorm();
+  if (!(length2 > kShortest_px * kShortest_px)) return true;
+  const Eigen::RowVector2d across = Eigen::RowVector2d(-along.y(), along.x()) / std::sqrt(length2);
+
+  // Where a place lies along the line tells how much each of its two points moves it.
+  Eigen::Matrix2d share;
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Vector2d from_first = line.px[i] - at_px[0];
+    const double s = from_first.dot(along) / length2;
+    share.row(i) << 1 - s, s;
+    residual_px[i] = across.dot(from_first);
+  }
+  Eigen::Matrix2d variance = Eigen::Matrix2d::Zero();
+  for (int k = 0; k < 2; ++k) {
+    const Eigen::RowVector3d d = across * J_point[k];
+    const Eigen::RowVector3d d_hand = d * T.linear();
+    variance(k, k) = d_hand * line.covariance_m2 * d_hand.transpose();
+    J_pose.leftCols<3>() -= share.col(k) * (d * so3::skew(turned_m[k]));
+    J_pose.rightCols<3>() += share.col(k) * d;
+    J_spread += share.col(k) * d_hand.dot(line.per_spread_m[k]);
+  }
+  covariance_px2 += share * variance * share.transpose();
+  return residual_px.allFinite();
+}
+
+std::optional<FittedPose> refine(const PoseFeatures& features, const Camera& camera, double huber,
                                  const Eigen::Isometry3d& start) {
-  Eigen::Isometry3d T = start;
+  State state{start, {}};
   Linearised at;
   double damping = 1e-4;
   for (int i = 0; i < kMaxIterations && damping < 1e6; ++i) {
-    if (!linearise(points, camera, huber, T, at)) return std::nullopt;
+    if (!linearise(features, camera, huber, state, at)) return std::nullopt;
     Matrix6d damped = at.H;
     damped.diagonal() *= 1 + damping;
     const Eigen::LLT<Matrix6d> llt(damped);
     if (llt.info() != Eigen::Success) return std::nullopt;
     const Vector6d step = llt.solve(at.g);
     if (!step.allFinite()) return std::nullopt;
-    const Eigen::Isometry3d next = moved(T, step);
+    const State next = state.moved(step, at.turn(step));
     const double gain = at.g.dot(step);  // in squared standard deviations, to first order
-    if (cost_at(points, camera, huber, next, at) > at.cost && gain > 1e-12) {
+    if (cost_at(features, camera, huber, next, at) > at.cost && gain > 1e-12) {
       damping *= 10;
       continue;
     }
-    T = next;
+    state = next;
     damping = std::max(1e-9, damping * 0.1);
     if (gain < 1e-5) break;
   }
-  return fit_at(points, camera, huber, T);
-}
-
-double spread_rad(const PosePoint& point, const Camera& camera, const Eigen::Isometry3d& T) {
-  Eigen::Vector2d r;
-  Eigen::Matrix<double, 2, 6> J;
-  Eigen::Matrix<double, 2, 3> J_hand;
-  if (!reprojection(point, camera, T, r, J, J_hand)) return 0;
-  Eigen::Matrix2d S = J_hand * point.covariance_m2 * J_hand.transpose();
-  S.diagonal().array() += point.sigma_px * point.sigma_px;
-  const Eigen::Vector2d j = J_hand * point.per_spread_m;
-  return point.spread_sigma_rad * point.spread_sigma_rad * j.dot(S.inverse() * r);
+  return fit_at(features, camera, huber, state);
 }
 
 }  // namespace handyar

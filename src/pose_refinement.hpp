@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <optional>
+#include <span>
 
 #include "handyar/pose.hpp"
 
@@ -23,17 +24,39 @@ struct PosePoint {
   Eigen::Matrix3d wander_m2 = Eigen::Matrix3d::Zero();     ///< added to covariance_m2 edge on
   int finger = -1;                                         ///< whose tip it is; -1 for a valley
   Eigen::Vector3d per_spread_m = Eigen::Vector3d::Zero();  ///< displacement per radian of spread
-  double spread_sigma_rad = 0.0;                           ///< prior of that spread
 };
 
-struct PosePoints {
-  std::array<PosePoint, kMaxPosePoints> at;
-  int count = 0;
+/// The axis of a finger: a line through two points of the hand, and two places that it was seen to
+/// go through.
+struct PoseLine {
+  std::array<Eigen::Vector3d, 2> hand_m;
+  std::array<Eigen::Vector3d, 2> per_spread_m;
+  std::array<Eigen::Vector2d, 2> px;
+  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();  ///< of each point of the hand
+  double sigma_px = 1.0;                                    ///< of each place, across the line
+  int finger = 0;
+};
 
-  const PosePoint* begin() const { return at.data(); }
-  const PosePoint* end() const { return at.data() + count; }
-  void push_back(const PosePoint& p) { at[count++] = p; }
-  PosePoints without(int index) const;
+/// All that a pose rests on.
+struct PoseFeatures {
+  std::array<PosePoint, kMaxPosePoints> point;
+  std::array<PoseLine, kFingerCount> line;
+  int point_count = 0, line_count = 0;
+  double spread_sigma_rad = 0;  ///< prior of each finger's turn; 0: a rigid hand
+
+  std::span<const PosePoint> points() const {
+    return {point.data(), static_cast<std::size_t>(point_count)};
+  }
+  std::span<const PoseLine> lines() const {
+    return {line.data(), static_cast<std::size_t>(line_count)};
+  }
+  void add(const PosePoint& p) { point[point_count++] = p; }
+  void add(const PoseLine& l) { line[line_count++] = l; }
+  PoseFeatures without_point(int index) const;
+  /// With heights over the hand plane of the opposite sign.
+  PoseFeatures mirrored() const;
+  bool flat() const;
+  double degrees_of_freedom() const { return 2.0 * (point_count + line_count) - 6; }
 };
 
 /// A pose and how well it fits.
@@ -42,8 +65,9 @@ struct FittedPose {
   Matrix6d covariance = Matrix6d::Zero();        ///< as in PoseEstimate, noise as stated
   Matrix6d noise_covariance = Matrix6d::Zero();  ///< the part from pixel noise
   double deviance = 0;                           ///< squared error in standard deviations, robust
-  double chi2 = 0;                               ///< the same, all points at full weight
+  double chi2 = 0;                               ///< the same, all features at full weight
   double rms_px = 0;                             ///< of the fingertips, by pixel noise weighted
+  std::array<double, kFingerCount> spread_rad{};
 };
 
 /// Displacement of the image of a point: pixel residual (seen - projected) and its derivative by
@@ -52,14 +76,19 @@ bool reprojection(const PosePoint& point, const Camera& camera, const Eigen::Iso
                   Eigen::Vector2d& residual_px, Eigen::Matrix<double, 2, 6>& J_pose,
                   Eigen::Matrix<double, 2, 3>& J_hand_m);
 
-/// The best fit near `start`: Levenberg-Marquardt on SE(3) with Huber weights. What is uncertain of
-/// each point on the hand (finger spread, relief) is not a variable of its own: the points being
-/// independent, marginalising it leaves a 2x2 covariance of each residual. Empty when points come
-/// to lie behind the camera or do not determine the pose.
-std::optional<FittedPose> refine(const PosePoints& points, const Camera& camera, double huber,
-                                 const Eigen::Isometry3d& start);
+/// How far each place of a line was seen to lie beside its image, and the derivatives of that by
+/// the pose, as above, and by the finger's spread. `covariance_px2` is theirs. All zero but the
+/// covariance where the line points at the eye and has no image. False behind the camera.
+bool offset_of_line(const PoseLine& line, const Camera& camera, const Eigen::Isometry3d& T,
+                    double spread_rad, Eigen::Vector2d& residual_px,
+                    Eigen::Matrix<double, 2, 6>& J_pose, Eigen::Vector2d& J_spread,
+                    Eigen::Matrix2d& covariance_px2);
 
-/// Turn of a finger that explains its tip's residual best, given its prior.
-double spread_rad(const PosePoint& point, const Camera& camera, const Eigen::Isometry3d& T);
+/// The best fit near `start`: Levenberg-Marquardt on SE(3) and the fingers' spreads, with Huber
+/// weights for each point and line. Spreads are eliminated finger by finger (Schur complement);
+/// what else is uncertain of a point on the hand is no variable, but widens the covariance of its
+/// residual. Empty when something comes to lie behind the camera or the pose is not determined.
+std::optional<FittedPose> refine(const PoseFeatures& features, const Camera& camera, double huber,
+                                 const Eigen::Isometry3d& start);
 
 }  // namespace handyar

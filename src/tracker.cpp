@@ -138,6 +138,7 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   } else {
     result.tips = {};
     result.valleys = {};
+    result.axes = {};
   }
   // While a hand is acquired the filter settles; who asks for a pose gets it once it is believed.
   if (t.state != State::tracking) {

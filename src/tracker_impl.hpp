@@ -64,6 +64,7 @@ struct HandTracker::Impl {
   bool has_turned_over(const HandShapeConfig& limits) const noexcept;
   void place_what_was_missed() noexcept;
   void measure_tips(TrackResult& result) noexcept;
+  void measure_axes(TrackResult& result) noexcept;
   bool estimate_pose(TrackResult& result) noexcept;
   void filter_pose(TrackResult& result) noexcept;
   void learn(const BinView& image, const Mask& mask, const HandShape& hand_shape) noexcept;

@@ -86,7 +86,10 @@ class HandTracker::Impl::Look {
     StageTimes& times = result_.times;
     if (!clock_.time(times.fingertips_ms, [&] { return t_.find_fingertips(); })) return false;
     if (!clock_.time(times.matching_ms, [&] { return t_.match(anew); })) return false;
-    clock_.time(times.fingertips_ms, [&] { t_.measure_tips(result_); });
+    clock_.time(times.fingertips_ms, [&] {
+      t_.measure_tips(result_);
+      t_.measure_axes(result_);
+    });
     return clock_.time(times.pose_ms, [&] { return t_.estimate_pose(result_); });
   }
 

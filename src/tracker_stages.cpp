@@ -234,6 +234,22 @@ void HandTracker::Impl::measure_tips(TrackResult& result) noexcept {
   }
 }
 
+/// Where the middle of each finger runs.
+void HandTracker::Impl::measure_axes(TrackResult& result) noexcept {
+  result.axes = {};
+  for (int f = 0; f < kFingerCount; ++f) {
+    const int first = std::max(f - 1, 0), last = std::min(f, kValleyCount - 1);
+    if (!found.tip_seen[f] || !found.valley_seen[first] || !found.valley_seen[last]) continue;
+    const float arc = static_cast<float>(found.tip_samples[f]) * stages.curvature.spacing();
+    MeasuredAxis axis;
+    if (measure_axis(stages.contour, arc, found.finger_base(f),
+                     {found.valleys.data() + first, std::size_t(last - first + 1)},
+                     found.finger_width, axis))
+      result.axes[f] = {to_input(axis.end).cast<double>(), to_input(axis.root).cast<double>(),
+                        true};
+  }
+}
+
 /// Camera pose relative to the hand (paper 2.5). False when a measured hand cannot look like this.
 bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   HandObservation observation;
@@ -249,6 +265,9 @@ bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   for (int k = 0; k < kValleyCount; ++k)
     observation.valleys[k] = {result.valleys[k].px, measured.valley_noise * finger_px,
                               result.valleys[k].seen};
+  for (int f = 0; f < kFingerCount; ++f)
+    observation.axes[f] = {result.axes[f].end_px, result.axes[f].root_px,
+                           measured.axis_noise * finger_px, result.axes[f].seen};
   PosePrior prior;
   if (const auto predicted = filter.predict(time_s))
     prior.prediction = PosePrediction{predicted->T_camera_hand, predicted->covariance};

@@ -7,6 +7,7 @@
 namespace handyar {
 namespace {
 
+using testing::axis_error_mm;
 using testing::Scene;
 using testing::tips_rms_mm;
 
@@ -91,6 +92,19 @@ TEST(CalibrateHand, ValleysAreMeasured) {
     const Eigen::Vector3d p = T_true_measured * c.by_triangulation.valleys_m.col(k);
     EXPECT_LT((p - scene.hand.valleys_m.col(k)).head<2>().norm(), 0.0005);
   }
+}
+
+TEST(CalibrateHand, AxesOfTheFingersAreMeasured) {
+  Scene scene;
+  auto views = scene.all();
+  for (std::size_t i = 0; i < views.size(); i += 6) views[i].axes[2].root_px.x() += 10;
+  const HandCalibration c = calibrate_hand(views, scene.camera, scene.board);
+  ASSERT_TRUE(c.by_triangulation.has_axes);
+  const Eigen::Isometry3d T_true_measured = scene.T_board_hand().inverse() * c.T_board_hand;
+  for (int k = 0; k < kFingerCount; ++k)
+    EXPECT_LT(axis_error_mm(c.by_triangulation, scene.hand, k, T_true_measured), 0.3) << k;
+  for (CalibrationView& v : views) v.axes[4].seen = false;
+  EXPECT_FALSE(calibrate_hand(views, scene.camera, scene.board).by_triangulation.has_axes);
 }
 
 // The other hand beside the board, back up as well: the same hand, mirrored.

@@ -39,6 +39,10 @@ struct Scene {
     hand.valleys_m << 0.042, 0.013, -0.013, -0.032,  //
         -0.010, 0.008, 0.006, -0.006,                //
         -0.004, -0.004, -0.004, -0.004;
+    hand.has_axes = true;
+    hand.axis_ends_m = hand.tips_m - 0.018 * hand.directions();
+    hand.axis_roots_m = hand.tips_m - 0.045 * hand.directions();
+    hand.axis_roots_m.row(2).array() -= 0.003;
   }
 
   /// The hand lies at the board's left, its fingers up (away from the person), back up.
@@ -87,6 +91,9 @@ struct Scene {
           hand.valleys_m.col(k), hand.valley_directions().col(k), kWebRadius_m, eye_m);
       v.valleys[k] = {noisy(T_camera_hand * end_m, noise_px), true};
     }
+    for (int k = 0; k < kFingerCount && hand.has_axes; ++k)
+      v.axes[k] = {camera.project(T_camera_hand * hand.axis_ends_m.col(k).eval()),
+                   camera.project(T_camera_hand * hand.axis_roots_m.col(k).eval()), true};
     return v;
   }
 
@@ -111,6 +118,19 @@ inline double tips_rms_mm(const HandModel& measured, const HandModel& truth) {
   }
   const Eigen::Rotation2Dd turn(std::atan2(cross, dot));
   return 1000 * std::sqrt((turn.toRotationMatrix() * a - b).colwise().squaredNorm().mean());
+}
+
+/// How far two points of a measured axis lie beside the true one, in millimetres.
+inline double axis_error_mm(const HandModel& measured, const HandModel& truth, int finger,
+                            const Eigen::Isometry3d& T_true_measured) {
+  const Eigen::Vector3d end = truth.axis_ends_m.col(finger);
+  const Eigen::Vector3d along = (truth.axis_roots_m.col(finger) - end).normalized();
+  double worst_m = 0;
+  for (const auto* const points_m : {&measured.axis_ends_m, &measured.axis_roots_m}) {
+    const Eigen::Vector3d d = T_true_measured * points_m->col(finger).eval() - end;
+    worst_m = std::max(worst_m, (d - d.dot(along) * along).norm());
+  }
+  return 1000 * worst_m;
 }
 
 /// What a function refuses with; empty when it does not.

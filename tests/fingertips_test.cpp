@@ -179,6 +179,53 @@ TEST(Fingertips, ADiscAndAValleyHaveNoTips) {
   for (const Extremum& tip : finder.tips()) EXPECT_LT(tip.at.y(), 40) << "only at its rims";
 }
 
+/// The axis of a drawn finger whose base is thought to lie `aside` palm radii beside the palm's
+/// centre.
+struct AxisOfFinger {
+  bool measured = false;
+  double worst_px = 0;  ///< distance of its places from the true axis
+};
+AxisOfFinger axis_of(const Finger& finger, double aside, float width) {
+  DrawnMask drawn = draw(finger);
+  EXPECT_TRUE(drawn.trace_largest());
+  CurvatureFinder finder;
+  finder.find(drawn.contour, kPalmRadius);
+  EXPECT_EQ(finder.tips().size(), 1u);
+  const V across(-finger.direction.y(), finger.direction.x());
+  const V valley = finger.palm + 60 * finger.direction + 2 * kFingerRadius * across;
+  const std::array<Eigen::Vector2f, 1> valleys{valley.cast<float>()};
+  const V base = finger.palm + aside * kPalmRadius * across;
+  MeasuredAxis axis;
+  AxisOfFinger out;
+  out.measured = measure_axis(drawn.contour, float(finder.tips()[0].sample) * finder.spacing(),
+                              base.cast<float>(), valleys, width, axis);
+  for (const Eigen::Vector2f& p : {axis.end, axis.root})
+    out.worst_px = std::max(out.worst_px, std::abs((p.cast<double>() - finger.palm).dot(across)));
+  return out;
+}
+
+TEST(MeasureAxis, IsTheMiddleOfAFingerToAFractionOfAPixel) {
+  std::mt19937 rng = test::random_for("MeasureAxis");
+  std::uniform_real_distribution<double> between(0, 1);
+  for (int degrees = 0; degrees < 360; degrees += 11) {
+    const double angle = deg(degrees + between(rng));
+    const Finger finger{{160 + between(rng), 160 + between(rng)},
+                        {std::cos(angle), std::sin(angle)}};
+    for (const double aside : {-0.4, 0.0, 0.4}) {
+      const AxisOfFinger axis = axis_of(finger, aside, 2 * kFingerRadius);
+      ASSERT_TRUE(axis.measured) << degrees;
+      EXPECT_LT(axis.worst_px, 0.4) << degrees << ' ' << aside;
+    }
+  }
+}
+
+TEST(MeasureAxis, IsRefusedWhereSidesAreNoFingers) {
+  const Finger finger{{160, 160}, {std::cos(deg(20)), std::sin(deg(20))}};
+  EXPECT_FALSE(axis_of(finger, 0, 6 * kFingerRadius).measured) << "too short to tell";
+  EXPECT_FALSE(axis_of(finger, 0, 0.8f * kFingerRadius).measured) << "too thick";
+  EXPECT_FALSE(axis_of(finger, 3, 2 * kFingerRadius).measured) << "not along the finger";
+}
+
 TEST(MeasureValley, IsTheDeepestPointToAFractionOfAPixel) {
   // Two fingers side by side: the gap between them ends in a half circle of radius 7.
   for (const double turn : {0.0, 0.3, 0.8, 1.3}) {

@@ -232,6 +232,20 @@ TEST_F(IoTest, HandIsReadBackAsWritten) {
   EXPECT_TRUE(read.has_valleys);
   EXPECT_EQ(read.valleys_m, hand.valleys_m);
   EXPECT_EQ(read.outline_m, hand.outline_m);
+  EXPECT_FALSE(read.has_axes);
+
+  hand.has_axes = true;
+  hand.axis_ends_m = hand.tips_m - 0.02 * hand.directions();
+  hand.axis_roots_m = hand.tips_m - 0.05 * hand.directions();
+  write_hand(path("3.json"), hand);
+  EXPECT_NE(read_text(path("3.json")).find("\"version\": 3"), std::string::npos);
+  read = read_hand(path("3.json"));
+  EXPECT_TRUE(read.has_axes);
+  EXPECT_EQ(read.axis_ends_m, hand.axis_ends_m);
+  EXPECT_EQ(read.axis_roots_m, hand.axis_roots_m);
+  hand.axis_roots_m = hand.axis_ends_m;
+  EXPECT_EQ(fault_of([&] { parse_hand(format_hand(hand), "h.json"); }),
+            "h.json: axis_ends_m and axis_roots_m: thumb has both at one place");
 }
 
 TEST_F(IoTest, FaultyHandFilesAreRefusedByField) {
@@ -240,7 +254,9 @@ TEST_F(IoTest, FaultyHandFilesAreRefusedByField) {
   } cases[] = {
       {"\"little\"", "\"pinky\"", "tips_m: there is no pinky on a hand"},
       {"handyar-hand", "hand", "format is not handyar-hand"},
-      {"\"version\": 1", "\"version\": 3", "version 3 is not known, only 1 and 2"},
+      {"\"version\": 1", "\"version\": 4", "version 4 is not known, only 1 to 3"},
+      {"\"version\": 1", "\"version\": 0", "version 0 is not known, only 1 to 3"},
+      {"\"version\": 1", "\"version\": 3, \"axis_ends_m\": {}", "axis_ends_m: thumb is missing"},
       {"\"version\": 1", "\"version\": 1.5", "version is not a whole number"},
       {"0.093328608", "93.328608", "tips_m: thumb is too far off: the unit is the metre"},
       {"0.093328608", "\"wide\", 0.09", "tips_m: thumb is not [x, y, z]"},

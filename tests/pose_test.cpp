@@ -24,7 +24,7 @@ using test::rendered_camera;
 using test::rendered_hand;
 
 HandModel without_valleys(HandModel hand) {
-  hand.has_valleys = false;
+  hand.has_valleys = hand.has_axes = false;
   return hand;
 }
 
@@ -48,9 +48,11 @@ HandModel with_spread(HandModel hand, const std::array<double, kFingerCount>& to
   const std::array<Eigen::Vector2d, kFingerCount> knuckles_m{
       {{0.019, -0.067}, {0.019, -0.003}, {-0.001, -0.006}, {-0.021, -0.009}, {-0.041, -0.012}}};
   for (int i = 0; i < kFingerCount; ++i) {
-    const Eigen::Vector2d tip_m = hand.tips_m.col(i).head<2>();
-    hand.tips_m.col(i).head<2>() =
-        knuckles_m[i] + Eigen::Rotation2Dd(-towards_thumb_rad[i]) * (tip_m - knuckles_m[i]);
+    for (auto* const points_m : {&hand.tips_m, &hand.axis_ends_m, &hand.axis_roots_m}) {
+      const Eigen::Vector2d arm_m = points_m->col(i).head<2>() - knuckles_m[i];
+      points_m->col(i).head<2>() =
+          knuckles_m[i] + Eigen::Rotation2Dd(-towards_thumb_rad[i]) * arm_m;
+    }
   }
   return hand;
 }
@@ -176,6 +178,55 @@ TEST(Reprojection, ARoundEndsJacobianAgreesWithCentralDifferences) {
   }
 }
 
+TEST(OffsetOfLine, JacobiansAgreeWithCentralDifferences) {
+  const Camera camera = distorted_camera();
+  PoseLine line;
+  line.hand_m = {Eigen::Vector3d(0.04, 0.06, 0.001), Eigen::Vector3d(0.03, 0.02, 0.005)};
+  line.per_spread_m = {Eigen::Vector3d(0.06, -0.02, 0), Eigen::Vector3d(0.02, -0.01, 0)};
+  const Eigen::Isometry3d T = hand_at(0.45, deg(35), deg(50));
+  // A place between the points and one beyond them, both beside the line.
+  for (int k = 0; k < 2; ++k)
+    line.px[k] = camera.project(T * (line.hand_m[0] + Eigen::Vector3d(0.004, k * 0.01, 0)));
+  Eigen::Vector2d r, plus, minus, J_spread, unused_spread;
+  Eigen::Matrix<double, 2, 6> J_pose, unused_pose;
+  Eigen::Matrix2d S;
+  const double spread = 0.03, h = 1e-6;
+  ASSERT_TRUE(offset_of_line(line, camera, T, spread, r, J_pose, J_spread, S));
+  EXPECT_GT(r.cwiseAbs().minCoeff(), 1);
+  for (int i = 0; i < 6; ++i) {
+    Eigen::Isometry3d a = T, b = T;
+    if (i < 3) {
+      a.linear() = Eigen::AngleAxisd(h, Eigen::Vector3d::Unit(i)) * T.linear();
+      b.linear() = Eigen::AngleAxisd(-h, Eigen::Vector3d::Unit(i)) * T.linear();
+    } else {
+      a.translation()[i - 3] += h;
+      b.translation()[i - 3] -= h;
+    }
+    ASSERT_TRUE(offset_of_line(line, camera, a, spread, plus, unused_pose, unused_spread, S));
+    ASSERT_TRUE(offset_of_line(line, camera, b, spread, minus, unused_pose, unused_spread, S));
+    EXPECT_LT((J_pose.col(i) - (minus - plus) / (2 * h)).norm(), 1e-4 * J_pose.norm()) << i;
+  }
+  ASSERT_TRUE(offset_of_line(line, camera, T, spread + h, plus, unused_pose, unused_spread, S));
+  ASSERT_TRUE(offset_of_line(line, camera, T, spread - h, minus, unused_pose, unused_spread, S));
+  EXPECT_LT((J_spread - (minus - plus) / (2 * h)).norm(), 1e-4 * J_spread.norm());
+}
+
+TEST(OffsetOfLine, AFingerThatPointsAtTheEyeTellsNothing) {
+  PoseLine line;
+  const Eigen::Isometry3d T = hand_at(0.45, 0, 0);
+  const Eigen::Vector3d towards_eye = (T.inverse().translation() - line.hand_m[0]).normalized();
+  line.hand_m = {Eigen::Vector3d(0, 0.03, 0), Eigen::Vector3d(0, 0.03, 0)};
+  line.hand_m[1] += 0.02 * (T.inverse().translation() - line.hand_m[0]).normalized();
+  line.per_spread_m = {towards_eye, towards_eye};
+  line.px = {Eigen::Vector2d(300, 200), Eigen::Vector2d(310, 260)};
+  Eigen::Vector2d r, J_spread;
+  Eigen::Matrix<double, 2, 6> J_pose;
+  Eigen::Matrix2d S;
+  ASSERT_TRUE(offset_of_line(line, rendered_camera(), T, 0, r, J_pose, J_spread, S));
+  EXPECT_TRUE(r.isZero() && J_pose.isZero() && J_spread.isZero());
+  EXPECT_GT(S.determinant(), 0);
+}
+
 // Bent away from the camera a finger shows its round end, which does not get shorter.
 TEST(RoundTips, TheEndOfTheOutlineLeavesTheTipOfAFingerSeenObliquely) {
   const Eigen::Vector3d tip_m(0, 0.085, 0), direction(0, 1, 0);
@@ -215,19 +266,22 @@ TEST_P(ExactPose, IsRecoveredWithoutNoise) {
         EXPECT_LT(test::translation_error_m(pose->T_camera_hand, truth), 1e-6);
         EXPECT_LT(pose->rms_px, 1e-4);
         EXPECT_LT(pose->ambiguity, 0.01);
-        EXPECT_EQ(pose->points_used, c.method == PoseMethod::points && c.valleys ? 9 : 5);
+        EXPECT_EQ(pose->points_used, c.method != PoseMethod::tips && c.valleys ? 9 : 5);
+        EXPECT_EQ(pose->axes_used, c.method == PoseMethod::outline ? kFingerCount : 0);
         for (double spread : pose->spread_rad) EXPECT_NEAR(spread, 0.0, 1e-5);
         EXPECT_TRUE(pose->covariance.ldlt().isPositive());
       }
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, ExactPose,
-                         testing::Values(Case{PoseMethod::tips, false, false, Layout::thumb_right},
-                                         Case{PoseMethod::tips, false, true, Layout::thumb_left},
-                                         Case{PoseMethod::points, false, true, Layout::thumb_right},
-                                         Case{PoseMethod::points, true, false, Layout::thumb_left},
-                                         Case{PoseMethod::points, true, true,
-                                              Layout::thumb_right}));
+INSTANTIATE_TEST_SUITE_P(
+    Methods, ExactPose,
+    testing::Values(Case{PoseMethod::tips, false, false, Layout::thumb_right},
+                    Case{PoseMethod::tips, false, true, Layout::thumb_left},
+                    Case{PoseMethod::points, false, true, Layout::thumb_right},
+                    Case{PoseMethod::points, true, false, Layout::thumb_left},
+                    Case{PoseMethod::outline, true, true, Layout::thumb_left},
+                    Case{PoseMethod::outline, true, false, Layout::thumb_right},
+                    Case{PoseMethod::points, true, true, Layout::thumb_right}));
 
 TEST(Pose, FourOfFiveTipsAreEnough) {
   const HandModel hand = without_valleys(rendered_hand());
@@ -400,6 +454,51 @@ TEST(Spread, IsMeasuredAndTakenOutOfThePose) {
   }
 }
 
+/// Median errors of hands that were calibrated to a millimetre and whose fingers have turned by
+/// `sigma_rad` since, each by itself.
+struct Errors {
+  double rotation_rad = 0, translation_m = 0;
+};
+Errors errors_of_respread_hands(PoseMethod method, double sigma_rad) {
+  auto rng = test::random_for("errors_of_respread_hands");
+  const HandModel hand = rendered_hand();
+  PoseConfig config;
+  config.method = method;
+  std::uniform_real_distribution<double> axis(0, 2 * std::numbers::pi);
+  std::vector<double> rotation_rad, translation_m;
+  for (int i = 0; i < 300; ++i) {
+    std::array<double, kFingerCount> turned;
+    for (double& t : turned) t = test::gauss(rng, sigma_rad);
+    const Eigen::Isometry3d truth = hand_at(0.45, deg(40), axis(rng));
+    HandModel actual = with_spread(hand, turned);
+    for (auto* const points_m : {&actual.tips_m, &actual.axis_ends_m, &actual.axis_roots_m})
+      for (int k = 0; k < kFingerCount; ++k) points_m->col(k) += test::gauss3(rng, 0.001);
+    for (int k = 0; k < kValleyCount; ++k) actual.valleys_m.col(k) += test::gauss3(rng, 0.001);
+    HandObservation seen = test::project(actual, rendered_camera(), truth);
+    test::add_noise(seen, 0.5, rng);
+    const auto pose =
+        estimate_pose(seen, hand, rendered_camera(), config, expecting(truth, deg(10), 0.03));
+    if (!pose) continue;
+    rotation_rad.push_back(test::rotation_error_rad(pose->T_camera_hand, truth));
+    translation_m.push_back(test::translation_error_m(pose->T_camera_hand, truth));
+  }
+  const auto median = [](std::vector<double>& v) {
+    std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
+    return v[v.size() / 2];
+  };
+  return {median(rotation_rad), median(translation_m)};
+}
+
+TEST(Spread, TheFingersSidesTellItFromAMoveOfTheHand) {
+  const Errors as_calibrated = errors_of_respread_hands(PoseMethod::outline, 0);
+  const Errors respread = errors_of_respread_hands(PoseMethod::outline, deg(2));
+  const Errors without_sides = errors_of_respread_hands(PoseMethod::points, deg(2));
+  EXPECT_LT(respread.rotation_rad, 1.5 * as_calibrated.rotation_rad);
+  EXPECT_LT(respread.translation_m, 1.5 * as_calibrated.translation_m);
+  EXPECT_LT(respread.rotation_rad, 0.9 * without_sides.rotation_rad);
+  EXPECT_LT(respread.translation_m, 0.75 * without_sides.translation_m);
+}
+
 TEST(Spread, WithoutValleysTheHandIsTakenAsRigid) {
   const HandModel hand = rendered_hand();
   const HandObservation seen =
@@ -492,6 +591,11 @@ Consistency consistency(bool valleys, PoseMethod method, double times, int n, st
           test::gauss(rng, across_m) * along.cross(Eigen::Vector3d::UnitZ()) +
           test::gauss(rng, relief_sigma_m) * Eigen::Vector3d::UnitZ();
     }
+    for (int k = 0; k < kFingerCount; ++k)
+      for (auto* const points_m : {&actual.axis_ends_m, &actual.axis_roots_m})
+        points_m->col(k) += Eigen::Vector3d(test::gauss(rng, times * config.axis_sigma_m),
+                                            test::gauss(rng, times * config.axis_sigma_m),
+                                            test::gauss(rng, relief_sigma_m));
     HandObservation seen = test::project(actual, rendered_camera(), truth, tip_radius_m(method));
     test::add_noise(seen, 0.5, rng);
     // A weak prior: which of the planar solutions it is, no more.
@@ -510,7 +614,8 @@ TEST(Covariance, TellsTheTruth) {
   // 6 where it is exact. The errors of a real hand's points are alike and disagree less than these,
   // which are independent: here it is on the cautious side.
   for (const auto& [valleys, method] :
-       {std::pair{true, PoseMethod::points}, std::pair{false, PoseMethod::tips}})
+       {std::pair{true, PoseMethod::points}, std::pair{true, PoseMethod::outline},
+        std::pair{false, PoseMethod::tips}})
     for (const double times : {0.5, 1.0, 2.0}) {
       const Consistency c = consistency(valleys, method, times, 600, rng);
       EXPECT_GT(c.nees, 1.4) << valleys << int(method) << ' ' << times;
@@ -567,6 +672,8 @@ TEST(Relief, TheMirroredOneTiltsTheHandAndTheMeanSaysSo) {
   HandModel palm = hand;
   palm.tips_m.row(2) *= -1;
   palm.valleys_m.row(2) *= -1;
+  palm.axis_ends_m.row(2) *= -1;
+  palm.axis_roots_m.row(2) *= -1;
   const Eigen::Isometry3d truth = hand_at(0.45, deg(40), deg(60));
   const HandObservation seen = test::project(palm, rendered_camera(), truth);
   PosePrior model, mirrored, unknown;
@@ -580,7 +687,7 @@ TEST(Relief, TheMirroredOneTiltsTheHandAndTheMeanSaysSo) {
   const double error = test::rotation_error_rad(wrong->T_camera_hand, truth);
   EXPECT_GT(error, deg(1.0));
   EXPECT_NEAR(test::rotation_error_rad(mean->T_camera_hand, truth), 0.5 * error, 0.01 * error);
-  EXPECT_GT(sigma_rotation_rad(mean->covariance), sigma_rotation_rad(wrong->covariance));
+  EXPECT_GT(sigma_rotation_rad(mean->covariance), sigma_rotation_rad(right->covariance));
   const Matrix6d lasting = mean->covariance - mean->noise_covariance;
   EXPECT_GT(lasting.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0)
       << "the noise is a part of the covariance";

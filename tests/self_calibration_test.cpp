@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include "calibration_scene.hpp"
 
 namespace handyar {
 namespace {
 
+using testing::axis_error_mm;
 using testing::Scene;
 using testing::tips_rms_mm;
 
@@ -43,6 +46,9 @@ struct TurningHand : Scene {
       for (int k = 0; k < kFingerCount; ++k) v.tips[k] = seen(hand.tips_m.col(k));
       for (int k = 0; k < kValleyCount && hand.has_valleys; ++k)
         v.valleys[k] = seen(hand.valleys_m.col(k));
+      for (int k = 0; k < kFingerCount && hand.has_axes; ++k)
+        v.axes[k] = {camera.project(T_camera_hand(i) * hand.axis_ends_m.col(k).eval()),
+                     camera.project(T_camera_hand(i) * hand.axis_roots_m.col(k).eval()), true};
       out.push_back(v);
     }
     return out;
@@ -60,6 +66,10 @@ TEST(SelfCalibrate, FindsTheShapeInExactViews) {
   EXPECT_EQ(c.hand.layout, Layout::thumb_right);
   EXPECT_TRUE(c.hand.has_valleys);
   EXPECT_GT(c.turned_rad, 0.8);
+  ASSERT_TRUE(c.hand.has_axes);
+  const Eigen::Isometry3d T_true_measured(Eigen::umeyama(c.hand.tips_m, scene.hand.tips_m, false));
+  for (int k = 0; k < kFingerCount; ++k)
+    EXPECT_LT(axis_error_mm(c.hand, scene.hand, k, T_true_measured), 0.5) << k;
 }
 
 TEST(SelfCalibrate, NoisyTipsAloneAreEnough) {

@@ -25,7 +25,8 @@ inline Eigen::Vector3d gauss3(std::mt19937& rng, double sigma) {
   return {gauss(rng, sigma), gauss(rng, sigma), gauss(rng, sigma)};
 }
 
-/// The left hand, back up, of the rendered sequences; valleys read off its mask.
+/// The left hand, back up, of the rendered sequences; valleys read off its mask, axes as
+/// calibrated.
 inline HandModel rendered_hand() {
   HandModel m;
   m.tips_m << 93.329, 42.131, 0.0, -35.356, -63.423,  //
@@ -36,7 +37,15 @@ inline HandModel rendered_hand() {
       1, 0, 0, -1;
   m.tips_m *= 1e-3;
   m.valleys_m *= 1e-3;
-  m.has_valleys = true;
+  m.axis_ends_m << 75.9, 37.8, 0.0, -33.7, -59.4,  //
+      -3.0, 58.0, 68.7, 58.2, 26.5,                //
+      2.3, -0.3, 0.7, 0.2, 1.4;
+  m.axis_roots_m << 52.6, 27.6, 0.1, -24.8, -46.4,  //
+      -22.4, 22.5, 28.2, 23.2, 5.0,                 //
+      4.7, 4.4, 7.6, 8.9, 5.9;
+  m.axis_ends_m *= 1e-3;
+  m.axis_roots_m *= 1e-3;
+  m.has_valleys = m.has_axes = true;
   return m;
 }
 
@@ -60,8 +69,8 @@ inline Eigen::Isometry3d hand_at(double distance_m, double tilt_rad, double axis
   return T;
 }
 
-/// Exact images of the tips, and of the valleys if the model has them. Tips are the ends of round
-/// fingers, or with a radius of 0 fixed points; webs are round.
+/// Exact images of the tips, and of valleys and axes if the model has them. Tips are the ends of
+/// round fingers, or with a radius of 0 fixed points; webs are round.
 inline HandObservation project(const HandModel& hand, const Camera& camera,
                                const Eigen::Isometry3d& T, double tip_radius_m = kTipRadius_m) {
   HandObservation o;
@@ -76,6 +85,9 @@ inline HandObservation project(const HandModel& hand, const Camera& camera,
         outline_end_m(hand.valleys_m.col(i), hand.valley_directions().col(i), kWebRadius_m, eye_m);
     o.valleys[i] = {camera.project(T * end_m), 1.0, true};
   }
+  for (int i = 0; i < kFingerCount && hand.has_axes; ++i)
+    o.axes[i] = {camera.project(T * hand.axis_ends_m.col(i).eval()),
+                 camera.project(T * hand.axis_roots_m.col(i).eval()), 1.0, true};
   return o;
 }
 
@@ -86,6 +98,12 @@ inline void add_noise(HandObservation& o, double sigma_px, std::mt19937& rng) {
   };
   for (ObservedPoint& p : o.tips) disturb(p);
   for (ObservedPoint& p : o.valleys) disturb(p);
+  for (ObservedAxis& a : o.axes) {
+    if (!a.seen) continue;
+    for (Eigen::Vector2d* const px : {&a.end_px, &a.root_px})
+      *px += Eigen::Vector2d(gauss(rng, sigma_px), gauss(rng, sigma_px));
+    a.sigma_px = sigma_px;
+  }
 }
 
 /// Rotation vector (camera axes, rad) and translation (m) from estimate to truth.

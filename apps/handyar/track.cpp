@@ -20,7 +20,7 @@ constexpr const char* kExamples =
 
 // The options as they are typed, where that is not how the tracker has them.
 struct Choices {
-  std::string processing = "full", fingertips = "ellipse", pose = "points";
+  std::string processing = "full", fingertips = "ellipse", pose = "outline";
   bool no_filter = false, no_timings = false, no_annotation = false;
   std::string model, debug_frames;
   double model_mm = 90;
@@ -68,8 +68,9 @@ Command add_track(CLI::App& app) {
       ->capture_default_str();
   options
       ->add_option("--pose", choices->pose,
-                   "From the rigid tips alone, as the paper, or from all points of the hand")
-      ->check(CLI::IsMember({"tips", "points"}))
+                   "From the rigid tips alone, as the paper, from all points of the hand, or also "
+                   "from the fingers' sides")
+      ->check(CLI::IsMember({"tips", "points", "outline"}))
       ->capture_default_str();
   options->add_flag("--no-annotation", choices->no_annotation,
                     "Leave contour, fingertips and axes off the pictures");
@@ -82,8 +83,9 @@ Command add_track(CLI::App& app) {
             run->config.fingertips.method = choices->fingertips == "curvature"
                                                 ? FingertipMethod::curvature
                                                 : FingertipMethod::ellipse;
-            run->config.pose.method =
-                choices->pose == "tips" ? PoseMethod::tips : PoseMethod::points;
+            run->config.pose.method = choices->pose == "tips"     ? PoseMethod::tips
+                                      : choices->pose == "points" ? PoseMethod::points
+                                                                  : PoseMethod::outline;
             run->config.filter.enabled = !choices->no_filter;
             run->timings = !choices->no_timings;
             run->annotated = !choices->no_annotation;

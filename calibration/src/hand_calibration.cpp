@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "finger_axes.hpp"
 #include "handyar/calibration/camera_calibration.hpp"
 #include "outline.hpp"
 #include "text.hpp"
@@ -178,6 +179,9 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
     const Eigen::Matrix3d c = R_hand_board * out.tips.covariance_m2[k] * R_hand_board.transpose();
     out.by_triangulation.tips_sigma_m.col(k) = c.diagonal().cwiseSqrt();
   }
+  std::vector<Eigen::Isometry3d> T_camera_hand;
+  for (const Eigen::Isometry3d& T : poses) T_camera_hand.push_back(T * out.T_board_hand);
+  triangulate_axes(views, sights.views, T_camera_hand, camera, out.by_triangulation);
   out.by_triangulation.outline_m =
       measure_outline(views, sights.views, poses, camera, out.T_board_hand, out.by_triangulation);
   out.rms_difference_m =

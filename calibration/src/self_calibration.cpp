@@ -9,6 +9,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "bundle.hpp"
+#include "finger_axes.hpp"
 #include "handyar/calibration/camera_calibration.hpp"
 #include "handyar/opencv/types.hpp"
 #include "text.hpp"
@@ -218,8 +219,12 @@ SelfCalibration self_calibrate_hand(std::span<const CalibrationView> views, cons
   if (points.has_valleys) points.valleys_m = bundle.p_m.rightCols<kValleyCount>();
   const Eigen::Isometry3d T_body_hand = hand_frame(points, Eigen::Vector3d::UnitZ());
   out.hand = hand_model(points, T_body_hand);
+  std::vector<Eigen::Isometry3d> T_camera_hand;
+  for (const Eigen::Isometry3d& T : bundle.T_camera_body) T_camera_hand.push_back(T * T_body_hand);
+  triangulate_axes(views, out.views_used, T_camera_hand, camera, out.hand);
   const double factor = size_factor(out.hand, known);
-  out.hand.tips_m *= factor;
+  for (auto* const points_m : {&out.hand.tips_m, &out.hand.axis_ends_m, &out.hand.axis_roots_m})
+    *points_m *= factor;
   out.hand.valleys_m *= factor;
   out.hand.tips_sigma_m = factor * shape_sigma_m(bundle, T_body_hand);
   out.hand.source = HandSource::self;

@@ -18,6 +18,7 @@ CalibrationView hand_view(const TrackResult& hand, std::span<const Eigen::Vector
   if (hand.state != State::acquiring && hand.state != State::tracking) return v;
   v.tips = hand.tips;
   v.valleys = hand.valleys;
+  v.axes = hand.axes;
   v.contour_px.assign(contour_px.begin(), contour_px.end());
   return v;
 }

@@ -147,10 +147,13 @@ Table table3(const Analysis& a) {
   constexpr double kPaperFingertips_px = 5.86, kPaperMarker_px = 4.79;
   add_row3(t, "fingertips, raw", a.main_track().raw, kUnknown);
   add_row3(t, "fingertips, filtered", a.main_track().filtered, kPaperFingertips_px);
+  const std::map<std::string, std::string> other_poses = {
+      {kPoints, "without the fingers' sides, filtered"},
+      {kRigidTips, "fingertips alone, rigid, filtered"}};
   for (std::size_t i = 0; i < a.tracks.size(); ++i)
-    if (const Track& track = a.recording.tracks[i];
-        track.method == kRigidTips && !track.half_resolution)
-      add_row3(t, "fingertips alone, rigid, filtered", a.tracks[i].filtered, kPaperFingertips_px);
+    if (const auto row = other_poses.find(a.recording.tracks[i].method);
+        row != other_poses.end() && !a.recording.tracks[i].half_resolution)
+      add_row3(t, row->second, a.tracks[i].filtered, kPaperFingertips_px);
   for (std::size_t i = 0; i < a.markers.size(); ++i)
     if (!a.recording.markers[i].half_resolution)
       add_row3(t, a.recording.markers[i].system, a.markers[i], kPaperMarker_px);

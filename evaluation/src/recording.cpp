@@ -19,9 +19,10 @@ struct Method {
   FingertipMethod fingertips;
   PoseMethod pose;
 };
-constexpr std::array<Method, 3> kMethods = {
-    {{"ellipse", FingertipMethod::ellipse, PoseMethod::points},
-     {"curvature", FingertipMethod::curvature, PoseMethod::points},
+constexpr std::array<Method, 4> kMethods = {
+    {{"ellipse", FingertipMethod::ellipse, PoseMethod::outline},
+     {"curvature", FingertipMethod::curvature, PoseMethod::outline},
+     {kPoints, FingertipMethod::ellipse, PoseMethod::points},
      {kRigidTips, FingertipMethod::ellipse, PoseMethod::tips}}};
 
 double now_s() {
@@ -75,6 +76,7 @@ class Session {
     if (sequence.board) board_.emplace(*sequence.board, sequence.camera);
     for (const bool half : {false, true}) {
       for (const Method& method : kMethods) {
+        if (method.pose == PoseMethod::points && !sequence.hand.has_axes) continue;  // the default
         trackers_.push_back(make_tracker(sequence, method, half));
         recording_.tracks.push_back({method.name, half, {}});
       }

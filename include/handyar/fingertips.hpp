@@ -27,7 +27,8 @@ struct FingertipConfig {
   /// By which share of a finger's width tips and valleys move from frame to frame when nothing
   /// does. The sharpest turn is one of the contour's samples, which lie apart.
   double ellipse_noise = 0.018, curvature_noise = 0.060, valley_noise = 0.025;
-  double outline_noise = 3;  ///< times as far where an outline tells, which is rougher
+  double axis_noise = 0.010;  ///< of each place on a finger's axis, across it; the same unit
+  double outline_noise = 3;   ///< times as far where an outline tells, which is rougher
 };
 
 /// A place where the contour turns sharply outwards, as at a fingertip.
@@ -90,6 +91,20 @@ struct MaskStages {
 /// `width` wide, all in mask pixels: the end of a least-squares ellipse around it (paper 2.2).
 Eigen::Vector2f measure_tip(const Contour& contour, float arc, const Eigen::Vector2f& base,
                             float width, FingertipMethod method) noexcept;
+
+/// Two places on the axis of a finger, the line in the middle between its sides, in mask pixels.
+struct MeasuredAxis {
+  Eigen::Vector2f end, root;  ///< near the fingertip and near the valleys
+};
+
+/// Measures the axis of the finger whose tip is at contour arc length `arc`, that begins at `base`
+/// between `valleys` (one or two) and is about `width` wide, all in mask pixels: straight lines
+/// fitted to both sides where the finger is neither round yet nor part of the hand any more. What
+/// moves both sides outwards alike, as light and a blurred picture do, leaves it where it is. False
+/// when the finger is too short or its sides are no finger's.
+bool measure_axis(const Contour& contour, float arc, const Eigen::Vector2f& base,
+                  std::span<const Eigen::Vector2f> valleys, float width,
+                  MeasuredAxis& out) noexcept;
 
 /// Measures the valley near `near` between two fingers about `width` mask pixels wide: on the full
 /// contour, the deepest point behind the line through both tips of a parabola fitted to the

@@ -43,9 +43,16 @@ struct HandModel {
   Eigen::Matrix<double, 3, kFingerCount> tips_sigma_m =
       Eigen::Matrix<double, 3, kFingerCount>::Zero();
 
-  // Measured by calibration since file format version 2; empty where unknown.
+  // Measured by calibration since file format version 2, axes since 3; empty where unknown.
   bool has_valleys = false;
   Eigen::Matrix<double, 3, kValleyCount> valleys_m = Eigen::Matrix<double, 3, kValleyCount>::Zero();
+  /// Of each finger's axis, the line in the middle between its sides: a point near the fingertip
+  /// and one near the valleys.
+  bool has_axes = false;
+  Eigen::Matrix<double, 3, kFingerCount> axis_ends_m =
+      Eigen::Matrix<double, 3, kFingerCount>::Zero();
+  Eigen::Matrix<double, 3, kFingerCount> axis_roots_m =
+      Eigen::Matrix<double, 3, kFingerCount>::Zero();
   std::vector<Eigen::Vector2d> outline_m;  ///< closed contour in the hand plane, wrist to wrist
 
   bool average_scale = false;  ///< the shape was measured, the size is the average adult's

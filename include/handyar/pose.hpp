@@ -17,16 +17,19 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// Which points the pose rests on.
 enum class PoseMethod : std::uint8_t {
-  tips,   ///< the fingertips, as a rigid body (the paper)
-  points  ///< round tips, and valleys; each finger may have turned in the hand plane since
-          ///< calibration (hand models without valleys: of a rigid hand, with an average's valleys)
+  tips,    ///< the fingertips, as a rigid body (the paper)
+  points,  ///< round tips, and valleys; each finger may have turned in the hand plane since
+           ///< calibration (hand models without valleys: of a rigid hand, with an average's
+           ///< valleys)
+  outline  ///< and the fingers' sides, whose middle is the finger's axis; hand models without axes:
+           ///< as `points`
 };
 
 /// What is not known of a hand, as standard deviations.
 struct PoseConfig {
-  PoseMethod method = PoseMethod::points;
-  double spread_sigma_rad = 0.050;     ///< turn of a finger about its knuckle; `points` only
-  double tip_radius_m = kTipRadius_m;  ///< of the fingers' round ends; `points` only
+  PoseMethod method = PoseMethod::outline;
+  double spread_sigma_rad = 0.040;     ///< turn of a finger about its knuckle; not `tips`
+  double tip_radius_m = kTipRadius_m;  ///< of the fingers' round ends; not `tips`
   double web_radius_m = kWebRadius_m;  ///< of the web between them, from back to palm
   double tip_sigma_m = 0.001;      ///< of the ends of fingers in the hand plane, where the model's
                                    ///< tips_sigma_m says nothing
@@ -35,6 +38,7 @@ struct PoseConfig {
   double valley_stretch = 5;       ///< times as far along the fingers: valleys are narrow, what
                                    ///< moves their sides a little moves their ends by more
   double average_valley_sigma_m = 0.004;  ///< of valleys that were not measured
+  double axis_sigma_m = 0.0015;           ///< of both ends of a finger's axis, across
   double relief_sigma_m = 0.001;  ///< height of each point over the hand plane against the model's
   double huber = 1.0;             ///< points more standard deviations off than this weigh less
 };
@@ -45,9 +49,16 @@ struct ObservedPoint {
   double sigma_px = 1.0;  ///< standard deviation of each coordinate, > 0
   bool seen = false;      ///< false: the rest is meaningless
 };
+/// The axis of a finger as one frame shows it: two places that it goes through.
+struct ObservedAxis {
+  Eigen::Vector2d end_px = Eigen::Vector2d::Zero(), root_px = Eigen::Vector2d::Zero();
+  double sigma_px = 1.0;  ///< standard deviation of each across the finger, > 0
+  bool seen = false;      ///< false: the rest is meaningless
+};
 struct HandObservation {
   std::array<ObservedPoint, kFingerCount> tips;
   std::array<ObservedPoint, kValleyCount> valleys;  ///< not used by PoseMethod::tips
+  std::array<ObservedAxis, kFingerCount> axes;      ///< used by PoseMethod::outline only
 };
 
 /// A pose expected before the frame was looked at; covariance as in PoseEstimate.
@@ -101,12 +112,13 @@ struct PoseEstimate {
   double relief_log_ratio = 0.0;
 
   int points_used = 0;
+  int axes_used = 0;
 };
 
 /// Pose from at least four points of which three are tips, or four where the hand model has no
 /// valleys (paper 2.5). `hand` is in the layout that is seen. Empty when there are too few points,
-/// when they lie on a line, when a seen point is not finite, or when no pose puts the visible face
-/// before the camera. Takes no memory.
+/// when they lie on a line, when something seen is not finite, or when no pose puts the visible
+/// face before the camera. Takes no memory.
 std::optional<PoseEstimate> estimate_pose(const HandObservation& observation, const HandModel& hand,
                                           const Camera& camera, const PoseConfig& config = {},
                                           const PosePrior& prior = {}) noexcept;

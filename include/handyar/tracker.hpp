@@ -43,6 +43,13 @@ struct Tip {
   bool known() const noexcept { return seen || inferred; }
 };
 
+/// The axis of a finger, the line in the middle between its sides, in pixels of the input frame.
+struct FingerAxis {
+  Eigen::Vector2d end_px = Eigen::Vector2d::Zero();   ///< a place on it near the fingertip
+  Eigen::Vector2d root_px = Eigen::Vector2d::Zero();  ///< and one near the valleys
+  bool seen = false;                                  ///< false: the rest is meaningless
+};
+
 /// Everything known of the hand in one frame.
 struct TrackResult {
   FrameStatus status = FrameStatus::ok;  ///< anything but ok: the frame was not processed
@@ -51,8 +58,9 @@ struct TrackResult {
   std::optional<Layout> layout;           ///< while acquiring and tracking
   std::array<Tip, kFingerCount> tips;     ///< in finger order; while acquiring the best so far
   std::array<Tip, kValleyCount> valleys;  ///< valley i between finger i and i + 1
-  std::optional<PoseEstimate> raw_pose;   ///< from this frame alone, before the filter
-  std::optional<FilteredPose> pose;       ///< filtered, at this frame's time
+  std::array<FingerAxis, kFingerCount> axes;
+  std::optional<PoseEstimate> raw_pose;  ///< from this frame alone, before the filter
+  std::optional<FilteredPose> pose;      ///< filtered, at this frame's time
   StageTimes times;
   bool scale_assumed = false;   ///< the hand was not measured: lengths are an average adult's
   bool camera_assumed = false;  ///< the camera was not calibrated

@@ -123,6 +123,17 @@ void require_order(const Reader& file, const HandModel& hand) {
   }
 }
 
+void read_version_3(const Reader& file, HandModel& hand) {
+  hand.has_axes = file.has("axis_ends_m") || file.has("axis_roots_m");
+  if (!hand.has_axes) return;
+  hand.axis_ends_m = file.points("axis_ends_m", kFingerNames);
+  hand.axis_roots_m = file.points("axis_roots_m", kFingerNames);
+  for (int f = 0; f < kFingerCount; ++f)
+    if ((hand.axis_ends_m.col(f) - hand.axis_roots_m.col(f)).norm() < kMinGap_m)
+      file.fail("axis_ends_m and axis_roots_m: " + std::string(kFingerNames[f]) +
+                " has both at one place");
+}
+
 void read_version_2(const Reader& file, HandModel& hand) {
   if (file.has("tips_sigma_m")) {
     hand.tips_sigma_m = file.points("tips_sigma_m", kFingerNames);
@@ -159,8 +170,8 @@ HandModel read_fields(const Reader& file) {
   if (file.text("format") != "handyar-hand") file.fail("format is not handyar-hand");
   const Json& version = file.field("version");
   if (!version.is_number_integer()) file.fail("version is not a whole number");
-  if (version != 1 && version != 2) {
-    file.fail("version " + version.dump() + " is not known, only 1 and 2");
+  if (version < 1 || version > 3) {
+    file.fail("version " + version.dump() + " is not known, only 1 to 3");
   }
   HandModel hand;
   read_tips(file, hand);
@@ -186,7 +197,8 @@ HandModel read_fields(const Reader& file) {
   if (file.has("thickness_m")) {
     hand.thickness_m = file.number_within("thickness_m", 0, kMaxThickness_m);
   }
-  if (version == 2) read_version_2(file, hand);
+  if (version >= 2) read_version_2(file, hand);
+  if (version >= 3) read_version_3(file, hand);
   return hand;
 }
 
@@ -215,7 +227,7 @@ std::string format_hand(const HandModel& hand) {
       sigmas || hand.has_valleys || !hand.outline_m.empty() || hand.average_scale;
   Json json;
   json["format"] = "handyar-hand";
-  json["version"] = version_2 ? 2 : 1;
+  json["version"] = hand.has_axes ? 3 : version_2 ? 2 : 1;
   json["tips_m"] = named_points(hand.tips_m, kFingerNames);
   json["layout"] = std::string(name(hand.layout));
   for (const auto& [text, source] : kSources) {
@@ -226,6 +238,10 @@ std::string format_hand(const HandModel& hand) {
   if (hand.average_scale) json["scale"] = "average";
   if (sigmas) json["tips_sigma_m"] = named_points(hand.tips_sigma_m, kFingerNames);
   if (hand.has_valleys) json["valleys_m"] = named_points(hand.valleys_m, kValleyNames);
+  if (hand.has_axes) {
+    json["axis_ends_m"] = named_points(hand.axis_ends_m, kFingerNames);
+    json["axis_roots_m"] = named_points(hand.axis_roots_m, kFingerNames);
+  }
   for (const Eigen::Vector2d& p : hand.outline_m) json["outline_m"].push_back({p.x(), p.y()});
   return json.dump(1) + "\n";
 }

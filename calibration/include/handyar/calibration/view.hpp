@@ -19,6 +19,7 @@ struct CalibrationView {
   double blur_px = 0;                   ///< width of the board's edges, see edge_width_px
   std::array<Tip, kFingerCount> tips;
   std::array<Tip, kValleyCount> valleys;
+  std::array<FingerAxis, kFingerCount> axes;
   std::vector<Eigen::Vector2f> contour_px;  ///< of the hand region; may be empty
 
   bool board_seen() const { return !corners_px.empty(); }

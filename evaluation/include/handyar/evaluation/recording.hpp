@@ -13,8 +13,10 @@
 
 namespace handyar::evaluation {
 
-/// Method name of the ellipse's tips with the paper's pose, a rigid body of tips
-/// (PoseMethod::tips).
+/// Method names of the ellipse's tips with other poses than the default one: without the fingers'
+/// sides (PoseMethod::points; of hands with axes, others have no other default), and the paper's, a
+/// rigid body of tips (PoseMethod::tips).
+inline constexpr const char* kPoints = "ellipse, without sides";
 inline constexpr const char* kRigidTips = "ellipse, rigid tips";
 
 /// What the tracker gave with one setting, frame by frame.
