@@ -67,6 +67,12 @@ void HandTracker::Impl::advance(bool seen) noexcept {
     if (following) {
       velocity_px_s = (now.palm() - seen_palm_px) / static_cast<float>(time_s - seen_s);
     } else {
+      // A hand that was turned over shows the same heights from the other side.
+      if (!known)
+        relief_evidence = 0;
+      else if (layout_before != found.layout)
+        relief_evidence = -relief_evidence;
+      layout_before = found.layout;
       if (!known || own_shape.layout() != found.layout) own_shape.reset();
       first_seen_s = time_s;
       seen_frames = 0;
