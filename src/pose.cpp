@@ -161,10 +161,10 @@ Hypotheses solve_without_outlier(PoseFeatures& features, const Camera& camera, d
 /// How much better or worse than stated the points agree with the model, as a factor of its
 /// covariance. Few points tell it, so it starts from what is stated, as if that were the size of so
 /// many residuals more; and the errors of a hand's points are alike, so they disagree by less than
-/// they are off.
-double model_scale(double chi2, double degrees_of_freedom) {
+/// they are off. Both ends of a line err alike even more and tell nothing.
+double model_scale(const FittedPose& fit, const PoseFeatures& features) {
   constexpr double kAsStated = 3, kAlike = 4;
-  return (kAsStated + kAlike * chi2) / (kAsStated + degrees_of_freedom);
+  return (kAsStated + kAlike * fit.points_chi2) / (kAsStated + 2.0 * features.point_count - 6);
 }
 
 /// The size of a hand is known to this share, and with it the distance: no disagreement shows it.
@@ -181,8 +181,8 @@ PoseEstimate summarise(const Hypotheses& h, const PoseFeatures& features) {
   e.spread_rad = best.spread_rad;
   e.noise_covariance = best.noise_covariance * std::max(1.0, e.reduced_chi2);
   const Eigen::Vector3d scale_m = kScaleSigma * best.T_camera_hand.translation();
-  e.covariance = e.noise_covariance + model_scale(best.chi2, h.degrees_of_freedom) *
-                                          (best.covariance - best.noise_covariance);
+  e.covariance =
+      e.noise_covariance + model_scale(best, features) * (best.covariance - best.noise_covariance);
   e.covariance.bottomRightCorner<3, 3>() += scale_m * scale_m.transpose();
   if (h.count == 2) {
     e.ambiguity = best.rms_px / std::max(h.pose[1].rms_px, 1e-12);

@@ -94,7 +94,7 @@ bool evaluate(const PoseLine& l, const Camera& camera, const State& at, Residual
 struct Linearised {
   Matrix6d H;  ///< J' W J
   Vector6d g;  ///< J' W r
-  double cost = 0, chi2 = 0;
+  double cost = 0, chi2 = 0, points_chi2 = 0;
   double tips = 0, tips_px2 = 0;  ///< weights of fingertips by pixel noise; of them and residuals
   std::array<Residual, kMaxFeatures> residuals;
   int count = 0;
@@ -159,6 +159,7 @@ bool linearise(const PoseFeatures& features, const Camera& camera, double huber,
     out.tips_px2 += weight * (tip.r + at.spread_of(p.finger) * tip.j).squaredNorm();
     out.tips += weight;
   }
+  out.points_chi2 = out.chi2;
   for (const PoseLine& l : features.lines())
     if (!add(l, camera, huber, at, out)) return false;
   if (out.rigid) return std::isfinite(out.cost);
@@ -221,6 +222,7 @@ std::optional<FittedPose> fit_at(const PoseFeatures& features, const Camera& cam
   fit.noise_covariance = fit.covariance * noise * fit.covariance;
   fit.deviance = at.cost;
   fit.chi2 = at.chi2;
+  fit.points_chi2 = at.points_chi2;
   fit.rms_px = at.tips > 0 ? std::sqrt(at.tips_px2 / at.tips) : 0;
   return fit;
 }

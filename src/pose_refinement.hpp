@@ -66,6 +66,7 @@ struct FittedPose {
   Matrix6d noise_covariance = Matrix6d::Zero();  ///< the part from pixel noise
   double deviance = 0;                           ///< squared error in standard deviations, robust
   double chi2 = 0;                               ///< the same, all features at full weight
+  double points_chi2 = 0;                        ///< of the points and the spreads alone
   double rms_px = 0;                             ///< of the fingertips, by pixel noise weighted
   std::array<double, kFingerCount> spread_rad{};
 };
