@@ -34,6 +34,30 @@ Eigen::Vector3d seen_m(const PosePoint& p, const Eigen::Isometry3d& T) {
   return outline_end_m(at, T.linear() * p.direction, p.radius_m, Eigen::Vector3d::Zero());
 }
 
+/// A point of a line about the hand's origin, in camera axes.
+Eigen::Vector3d turned_m(const PoseLine& l, int point, double spread_rad,
+                         const Eigen::Isometry3d& T) {
+  return T.linear() * (l.hand_m[point] + spread_rad * l.per_spread_m[point]);
+}
+
+/// The image of a line: through one place, along the unit direction `along` (zero: it has none).
+struct LineImage {
+  Eigen::Vector2d from_px, along;
+  double length_px;
+
+  LineImage(const Eigen::Vector2d& a_px, const Eigen::Vector2d& b_px) : from_px(a_px) {
+    constexpr double kShortest_px = 4;
+    along = b_px - a_px;
+    length_px = along.norm();
+    if (length_px > kShortest_px)
+      along /= length_px;
+    else
+      along.setZero();
+  }
+  Eigen::RowVector2d across() const { return {-along.y(), along.x()}; }
+  double offset_px(const Eigen::Vector2d& px) const { return across().dot(px - from_px); }
+};
+
 struct State {
   Eigen::Isometry3d T_camera_hand;
   Spreads spread_rad{};
@@ -194,9 +218,16 @@ double cost_at(const PoseFeatures& features, const Camera& camera, double huber,
     cost += huber_cost(r.dot(weights.residuals[i++].information * r), huber);
   }
   for (const PoseLine& l : features.lines()) {
-    Residual e;
-    if (!evaluate(l, camera, at, e)) return std::numeric_limits<double>::infinity();
-    cost += huber_cost(e.r.dot(weights.residuals[i++].information * e.r), huber);
+    std::array<Eigen::Vector2d, 2> at_px;
+    for (int k = 0; k < 2; ++k) {
+      const Eigen::Vector3d p =
+          turned_m(l, k, at.spread_of(l.finger), at.T_camera_hand) + at.T_camera_hand.translation();
+      if (!(p.z() > kMinDepth_m)) return std::numeric_limits<double>::infinity();
+      at_px[k] = camera.project(p);
+    }
+    const LineImage image(at_px[0], at_px[1]);
+    const Eigen::Vector2d r(image.offset_px(l.px[0]), image.offset_px(l.px[1]));
+    cost += huber_cost(r.dot(weights.residuals[i++].information * r), huber);
   }
   return cost;
 }
@@ -281,13 +312,12 @@ bool offset_of_line(const PoseLine& line, const Camera& camera, const Eigen::Iso
                     double spread_rad, Eigen::Vector2d& residual_px,
                     Eigen::Matrix<double, 2, 6>& J_pose, Eigen::Vector2d& J_spread,
                     Eigen::Matrix2d& covariance_px2) {
-  constexpr double kShortest_px = 4;
   std::array<Eigen::Vector2d, 2> at_px;
-  std::array<Eigen::Vector3d, 2> turned_m;  // about the hand's origin, in camera axes
+  std::array<Eigen::Vector3d, 2> point_m;
   std::array<Eigen::Matrix<double, 2, 3>, 2> J_point;
   for (int k = 0; k < 2; ++k) {
-    turned_m[k] = T.linear() * (line.hand_m[k] + spread_rad * line.per_spread_m[k]);
-    const Eigen::Vector3d at = turned_m[k] + T.translation();
+    point_m[k] = turned_m(line, k, spread_rad, T);
+    const Eigen::Vector3d at = point_m[k] + T.translation();
     if (!(at.z() > kMinDepth_m)) return false;
     at_px[k] = camera.project(at, &J_point[k]);
   }
@@ -295,25 +325,23 @@ bool offset_of_line(const PoseLine& line, const Camera& camera, const Eigen::Iso
   J_pose.setZero();
   J_spread.setZero();
   covariance_px2 = line.sigma_px * line.sigma_px * Eigen::Matrix2d::Identity();
-  const Eigen::Vector2d along = at_px[1] - at_px[0];
-  const double length2 = along.squaredNorm();
-  if (!(length2 > kShortest_px * kShortest_px)) return true;
-  const Eigen::RowVector2d across = Eigen::RowVector2d(-along.y(), along.x()) / std::sqrt(length2);
+  const LineImage image(at_px[0], at_px[1]);
+  if (image.along.isZero()) return true;
+  const Eigen::RowVector2d across = image.across();
 
   // Where a place lies along the line tells how much each of its two points moves it.
   Eigen::Matrix2d share;
   for (int i = 0; i < 2; ++i) {
-    const Eigen::Vector2d from_first = line.px[i] - at_px[0];
-    const double s = from_first.dot(along) / length2;
+    const double s = image.along.dot(line.px[i] - image.from_px) / image.length_px;
     share.row(i) << 1 - s, s;
-    residual_px[i] = across.dot(from_first);
+    residual_px[i] = image.offset_px(line.px[i]);
   }
   Eigen::Matrix2d variance = Eigen::Matrix2d::Zero();
   for (int k = 0; k < 2; ++k) {
     const Eigen::RowVector3d d = across * J_point[k];
     const Eigen::RowVector3d d_hand = d * T.linear();
     variance(k, k) = d_hand * line.covariance_m2 * d_hand.transpose();
-    J_pose.leftCols<3>() -= share.col(k) * (d * so3::skew(turned_m[k]));
+    J_pose.leftCols<3>() -= share.col(k) * (d * so3::skew(point_m[k]));
     J_pose.rightCols<3>() += share.col(k) * d;
     J_spread += share.col(k) * d_hand.dot(line.per_spread_m[k]);
   }
