@@ -493,6 +493,11 @@ TEST(Spread, TheFingersSidesTellItFromAMoveOfTheHand) {
   const Errors as_calibrated = errors_of_respread_hands(PoseMethod::outline, 0);
   const Errors respread = errors_of_respread_hands(PoseMethod::outline, deg(2));
   const Errors without_sides = errors_of_respread_hands(PoseMethod::points, deg(2));
+  for (const auto& [name, e] : {std::pair{"as_calibrated", as_calibrated},
+                                {"respread", respread},
+                                {"without_sides", without_sides}})
+    RecordProperty(name, std::to_string(e.rotation_rad * 180 / std::numbers::pi) + " degrees, " +
+                             std::to_string(1000 * e.translation_m) + " mm");
   EXPECT_LT(respread.rotation_rad, 1.5 * as_calibrated.rotation_rad);
   EXPECT_LT(respread.translation_m, 1.5 * as_calibrated.translation_m);
   EXPECT_LT(respread.rotation_rad, 0.9 * without_sides.rotation_rad);

@@ -127,6 +127,12 @@ void draw_ellipses(cv::Mat& picture, const Stages& stages, const TrackResult& re
   }
 }
 
+void draw_axes(cv::Mat& picture, const TrackResult& result) {
+  for (const FingerAxis& axis : result.axes)
+    if (axis.seen)
+      cv::line(picture, point(axis.end_px), point(axis.root_px), kValleyColor, 2, cv::LINE_AA);
+}
+
 }  // namespace
 
 bool FrameSet::contains(std::int64_t frame) const noexcept {
@@ -186,6 +192,7 @@ void DebugPictures::write(const cv::Mat& bgr, std::int64_t frame, const HandTrac
   cv::Mat with_extrema = picture.clone();
   draw_extrema(with_extrema, stages, result);
   save(with_extrema, "4_contour");
+  draw_axes(picture, result);
   draw_ellipses(picture, stages, result);
   draw_tips(picture, result);
   save(picture, "5_fingertips");
