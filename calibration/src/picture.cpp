@@ -149,6 +149,10 @@ cv::Mat draw_hand(const HandPicture& picture) {
   }
   draw_axes(plane, placed);
   draw_tips(plane, hand, placed);
+  if (hand.has_axes)
+    for (int k = 0; k < kFingerCount; ++k)
+      plane.polygon({placed(hand.axis_ends_m.col(k)), placed(hand.axis_roots_m.col(k))}, kValley,
+                    false);
   if (hand.has_valleys)
     for (int k = 0; k < kValleyCount; ++k) plane.dot(placed(hand.valleys_m.col(k)), 4, kValley);
   if (picture.plane_tips_board_m)
