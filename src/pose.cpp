@@ -21,19 +21,23 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 /// Up to two poses that explain what was seen, the more probable first.
 struct Hypotheses {
   std::array<FittedPose, 2> pose;
-  std::array<double, 2> deviance{};  ///< -2 log of likelihood times prior
+  std::array<double, 2> frame_deviance{};  ///< -2 log of the likelihood alone
+  std::array<double, 2> deviance{};        ///< -2 log of likelihood times prior
   int count = 0;
   double degrees_of_freedom = 0;
 
   double reduced_chi2() const { return pose[0].chi2 / degrees_of_freedom; }
 
-  void push_back(const FittedPose& p, double d) {
+  void push_back(const FittedPose& p, double by_frame, double by_prior) {
+    const double d = by_frame + by_prior;
     if (count == 2 && d >= deviance[1]) return;
     const int last = count < 2 ? count++ : 1;
     pose[last] = p;
+    frame_deviance[last] = by_frame;
     deviance[last] = d;
     if (count == 2 && deviance[1] < deviance[0]) {
       std::swap(pose[0], pose[1]);
+      std::swap(frame_deviance[0], frame_deviance[1]);
       std::swap(deviance[0], deviance[1]);
     }
   }
@@ -131,7 +135,7 @@ Hypotheses solve(const PoseFeatures& features, const Camera& camera, double hube
   for (const FittedPose& fit : candidates)
     inflation = std::min(inflation, std::max(1.0, fit.chi2 / result.degrees_of_freedom));
   for (const FittedPose& fit : candidates)
-    result.push_back(fit, fit.deviance / inflation + prior_deviance(fit, prior));
+    result.push_back(fit, fit.deviance / inflation, prior_deviance(fit, prior));
   return result;
 }
 
@@ -186,6 +190,7 @@ PoseEstimate summarise(const Hypotheses& h, const PoseFeatures& features) {
   e.covariance.bottomRightCorner<3, 3>() += scale_m * scale_m.transpose();
   if (h.count == 2) {
     e.ambiguity = best.rms_px / std::max(h.pose[1].rms_px, 1e-12);
+    e.planar_log_ratio = 0.5 * (h.frame_deviance[1] - h.frame_deviance[0]);
     const double probability = 1 / (1 + std::exp(0.5 * (h.deviance[1] - h.deviance[0])));
     const Vector6d d = difference(best.T_camera_hand, h.pose[1].T_camera_hand);
     const Matrix6d ambiguous = probability * d * d.transpose();

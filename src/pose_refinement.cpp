@@ -58,14 +58,15 @@ struct LineImage {
   double offset_px(const Eigen::Vector2d& px) const { return across().dot(px - from_px); }
 };
 
-struct State {
+/// Where the hand is, and how far each of its fingers has turned.
+struct Posture {
   Eigen::Isometry3d T_camera_hand;
   Spreads spread_rad{};
 
   double spread_of(int finger) const { return finger < 0 ? 0 : spread_rad[finger]; }
 
-  State moved(const Vector6d& step, const Spreads& turn) const {
-    State next;
+  Posture moved(const Vector6d& step, const Spreads& turn) const {
+    Posture next;
     next.T_camera_hand = Eigen::Isometry3d::Identity();
     const Eigen::Quaterniond q =
         so3::exp(step.head<3>()) * Eigen::Quaterniond(T_camera_hand.linear());
@@ -76,7 +77,7 @@ struct State {
   }
 };
 
-/// A point or a line at one state: two residuals in pixels and what they depend on.
+/// A point or a line at one posture: two residuals in pixels and what they depend on.
 struct Residual {
   Eigen::Vector2d r;                ///< seen - projected
   Eigen::Matrix<double, 2, 6> J;    ///< of what is projected, by the pose
@@ -88,7 +89,7 @@ struct Residual {
   int finger;       ///< -1: none
 };
 
-bool evaluate(const PosePoint& p, const Camera& camera, const State& at, Residual& out) {
+bool evaluate(const PosePoint& p, const Camera& camera, const Posture& at, Residual& out) {
   PosePoint turned = p;
   turned.hand_m += at.spread_of(p.finger) * p.per_spread_m;
   Eigen::Matrix<double, 2, 3> J_hand;
@@ -103,7 +104,7 @@ bool evaluate(const PosePoint& p, const Camera& camera, const State& at, Residua
   return true;
 }
 
-bool evaluate(const PoseLine& l, const Camera& camera, const State& at, Residual& out) {
+bool evaluate(const PoseLine& l, const Camera& camera, const Posture& at, Residual& out) {
   Eigen::Matrix2d S;
   if (!offset_of_line(l, camera, at.T_camera_hand, at.spread_of(l.finger), out.r, out.J, out.j, S))
     return false;
@@ -113,8 +114,8 @@ bool evaluate(const PoseLine& l, const Camera& camera, const State& at, Residual
   return true;
 }
 
-/// The problem linearised at one state. Each finger's spread is eliminated: H, g and the residuals'
-/// JtW are what is left for the pose.
+/// The problem linearised at one posture. Each finger's spread is eliminated: H, g and the
+/// residuals' JtW are what is left for the pose.
 struct Linearised {
   Matrix6d H;  ///< J' W J
   Vector6d g;  ///< J' W r
@@ -140,7 +141,7 @@ struct Linearised {
 };
 
 template <class Feature>
-bool add(const Feature& feature, const Camera& camera, double huber, const State& at,
+bool add(const Feature& feature, const Camera& camera, double huber, const Posture& at,
          Linearised& out) {
   Residual& e = out.residuals[out.count++];
   if (!evaluate(feature, camera, at, e)) return false;
@@ -161,7 +162,7 @@ bool add(const Feature& feature, const Camera& camera, double huber, const State
   return true;
 }
 
-bool linearise(const PoseFeatures& features, const Camera& camera, double huber, const State& at,
+bool linearise(const PoseFeatures& features, const Camera& camera, double huber, const Posture& at,
                Linearised& out) {
   out.H.setZero();
   out.g.setZero();
@@ -201,8 +202,8 @@ bool linearise(const PoseFeatures& features, const Camera& camera, double huber,
   return std::isfinite(out.cost);
 }
 
-/// Cost at another state with the weights of this one; infinite behind the camera.
-double cost_at(const PoseFeatures& features, const Camera& camera, double huber, const State& at,
+/// Cost at another posture with the weights of this one; infinite behind the camera.
+double cost_at(const PoseFeatures& features, const Camera& camera, double huber, const Posture& at,
                const Linearised& weights) {
   double cost = 0;
   if (!weights.rigid)
@@ -232,16 +233,16 @@ double cost_at(const PoseFeatures& features, const Camera& camera, double huber,
   return cost;
 }
 
-/// The fit at a state, with its covariance.
+/// The fit at a posture, with its covariance.
 std::optional<FittedPose> fit_at(const PoseFeatures& features, const Camera& camera, double huber,
-                                 const State& state) {
+                                 const Posture& posture) {
   Linearised at;
-  if (!linearise(features, camera, huber, state, at)) return std::nullopt;
+  if (!linearise(features, camera, huber, posture, at)) return std::nullopt;
   const Eigen::LDLT<Matrix6d> ldlt(at.H);
   if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 0)) return std::nullopt;
   FittedPose fit;
-  fit.T_camera_hand = state.T_camera_hand;
-  fit.spread_rad = state.spread_rad;
+  fit.T_camera_hand = posture.T_camera_hand;
+  fit.spread_rad = posture.spread_rad;
   fit.covariance = ldlt.solve(Matrix6d::Identity());
   fit.covariance = 0.5 * (fit.covariance + fit.covariance.transpose()).eval();
   if (!fit.covariance.allFinite()) return std::nullopt;
@@ -351,28 +352,28 @@ bool offset_of_line(const PoseLine& line, const Camera& camera, const Eigen::Iso
 
 std::optional<FittedPose> refine(const PoseFeatures& features, const Camera& camera, double huber,
                                  const Eigen::Isometry3d& start) {
-  State state{start, {}};
+  Posture posture{start, {}};
   Linearised at;
   double damping = 1e-4;
   for (int i = 0; i < kMaxIterations && damping < 1e6; ++i) {
-    if (!linearise(features, camera, huber, state, at)) return std::nullopt;
+    if (!linearise(features, camera, huber, posture, at)) return std::nullopt;
     Matrix6d damped = at.H;
     damped.diagonal() *= 1 + damping;
     const Eigen::LLT<Matrix6d> llt(damped);
     if (llt.info() != Eigen::Success) return std::nullopt;
     const Vector6d step = llt.solve(at.g);
     if (!step.allFinite()) return std::nullopt;
-    const State next = state.moved(step, at.turn(step));
+    const Posture next = posture.moved(step, at.turn(step));
     const double gain = at.g.dot(step);  // in squared standard deviations, to first order
     if (cost_at(features, camera, huber, next, at) > at.cost && gain > 1e-12) {
       damping *= 10;
       continue;
     }
-    state = next;
+    posture = next;
     damping = std::max(1e-9, damping * 0.1);
     if (gain < 1e-5) break;
   }
-  return fit_at(features, camera, huber, state);
+  return fit_at(features, camera, huber, posture);
 }
 
 }  // namespace handyar

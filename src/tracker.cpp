@@ -35,7 +35,7 @@ void HandTracker::Impl::forget() noexcept {
   own_shape.reset();
   contour_size = 0;
   seen_frames = 0;
-  relief_evidence = 0;
+  relief_evidence = planar_evidence = 0;
   tracked_s = -std::numeric_limits<double>::infinity();
 }
 

@@ -144,6 +144,7 @@ struct HandTracker::Impl {
   bool colorless = false;                // the mask is the silhouette of an outline
   double colored_s = 0;                  // when it was last seen by its colours
   Layout layout_before{};                // of the hand that was followed last
+  double planar_evidence = 0;            // log odds for the planar solution that is followed
   double relief_evidence = 0;            // log odds that heights are the model's, not mirrored
   std::optional<HandShape> found_again;  // by the search in this frame: who is being acquired
   float acquired_deviation = 1;  // of the search's best view of the hand that is being acquired

@@ -293,6 +293,18 @@ void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
     relief_evidence =
         std::clamp(relief_evidence + kShare * result.raw_pose->relief_log_ratio, -kLimit, kLimit);
   }
+  if (result.raw_pose && std::isfinite(result.raw_pose->planar_log_ratio)) {
+    // Where frame after frame says that the other planar solution is it, the filter holds on to the
+    // wrong one: it begins anew.
+    constexpr double kShare = 0.2, kLasting = 0.8, kEnough = 2.0;
+    planar_evidence =
+        std::min(0.0, kLasting * planar_evidence + kShare * result.raw_pose->planar_log_ratio);
+    if (planar_evidence < -kEnough) {
+      planar_evidence = 0;
+      filter.reset();
+      if (!estimate_pose(result)) return;
+    }
+  }
   if (result.raw_pose) filter.update(time_s, *result.raw_pose);
   result.pose = filter.predict(time_s);
 }

@@ -415,6 +415,32 @@ TEST(Ambiguity, FlipsAreRareAndAPredictionEndsThem) {
   EXPECT_EQ(flipped_share(bare, {}, true, rng), 0.0);
 }
 
+TEST(Ambiguity, TheFrameSaysWhenThePredictionDecidedAgainstIt) {
+  auto rng = test::random_for("Ambiguity.TheFrameSays");
+  const HandModel hand = rendered_hand();
+  int decided = 0;
+  double for_right = 0, for_wrong = 0;
+  const int n = 50;
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Isometry3d truth = hand_at(0.45, deg(25), deg(7 * i));
+    const Eigen::Isometry3d turned_over = hand_at(0.45, deg(-25), deg(7 * i));
+    HandObservation seen = test::project(hand, rendered_camera(), truth);
+    test::add_noise(seen, 0.5, rng);
+    const auto right =
+        estimate_pose(seen, hand, rendered_camera(), {}, expecting(truth, deg(3), 0.003));
+    const auto wrong =
+        estimate_pose(seen, hand, rendered_camera(), {}, expecting(turned_over, deg(1), 0.003));
+    ASSERT_TRUE(right && wrong);
+    for_right += right->planar_log_ratio / n;
+    if (test::rotation_error_rad(wrong->T_camera_hand, truth) < deg(15)) continue;
+    for_wrong += wrong->planar_log_ratio;
+    ++decided;
+  }
+  ASSERT_GT(decided, n / 4);
+  EXPECT_GT(for_right, 2);
+  EXPECT_LT(for_wrong / decided, -2);
+}
+
 TEST(Ambiguity, IsReported) {
   const HandModel hand = rendered_hand();
   auto rng = test::random_for("Ambiguity.IsReported");

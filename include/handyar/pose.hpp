@@ -103,6 +103,11 @@ struct PoseEstimate {
   /// when the prediction decided; 0 when there is no other.
   double ambiguity = 0.0;
 
+  /// Evidence of this frame alone for this solution against the other planar one: log of the
+  /// likelihood ratio, for the tracker to add up; negative where the prediction decided against it,
+  /// 0 when there is no other.
+  double planar_log_ratio = 0.0;
+
   /// Turn of each finger in the hand plane against the calibrated posture, towards the thumb
   /// positive; zero for methods that do not estimate it.
   std::array<double, kFingerCount> spread_rad{};
