@@ -38,7 +38,7 @@ struct PoseConfig {
   double valley_stretch = 5;       ///< times as far along the fingers: valleys are narrow, what
                                    ///< moves their sides a little moves their ends by more
   double average_valley_sigma_m = 0.004;  ///< of valleys that were not measured
-  double axis_sigma_m = 0.0015;           ///< of both ends of a finger's axis, across
+  double axis_sigma_m = 0.0020;           ///< of both ends of a finger's axis, across
   double relief_sigma_m = 0.001;  ///< height of each point over the hand plane against the model's
   double huber = 1.0;             ///< points more standard deviations off than this weigh less
 };
