@@ -15,7 +15,7 @@ namespace handyar {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// Which points the pose rests on.
+/// What the pose rests on.
 enum class PoseMethod : std::uint8_t {
   tips,    ///< the fingertips, as a rigid body (the paper)
   points,  ///< round tips, and valleys; each finger may have turned in the hand plane since
