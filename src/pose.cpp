@@ -139,29 +139,6 @@ Hypotheses solve(const PoseFeatures& features, const Camera& camera, double hube
   return result;
 }
 
-/// Drops one point when that alone turns a bad fit into a good one, a tip that is another's or
-/// none. With few points some subset always fits: then all stay and the covariance grows.
-Hypotheses solve_without_outlier(PoseFeatures& features, const Camera& camera, double huber,
-                                 const PosePrior& prior) {
-  constexpr int kEnough = 7;
-  constexpr double kBad = 5, kGood = 2;  // of reduced chi2
-  const Hypotheses all = solve(features, camera, huber, prior);
-  if (features.point_count < kEnough || all.count == 0 || all.reduced_chi2() < kBad) return all;
-  Hypotheses best = all;
-  double best_chi2 = kGood;
-  PoseFeatures best_features = features;
-  for (int i = 0; i < features.point_count; ++i) {
-    const PoseFeatures rest = features.without_point(i);
-    const Hypotheses h = solve(rest, camera, huber, prior);
-    if (h.count == 0 || h.reduced_chi2() >= best_chi2) continue;
-    best_chi2 = h.reduced_chi2();
-    best = h;
-    best_features = rest;
-  }
-  features = best_features;
-  return best;
-}
-
 /// How much better or worse than stated the points agree with the model, as a factor of its
 /// covariance. Few points tell it, so it starts from what is stated, as if that were the size of so
 /// many residuals more; and the errors of a hand's points are alike, so they disagree by less than
@@ -230,12 +207,12 @@ std::optional<PoseEstimate> estimate_pose(const HandObservation& observation, co
   std::optional<PoseEstimate> by_model, by_mirrored;
   double deviance_model = 0, deviance_mirrored = 0;
   if (p_model > 0 || flat) {
-    const Hypotheses h = solve_without_outlier(*features, camera, config.huber, prior);
+    const Hypotheses h = solve(*features, camera, config.huber, prior);
     if (h.count > 0) by_model = summarise(h, *features);
     if (h.count > 0) deviance_model = h.pose[0].deviance;
   }
   if (p_model < 1 && !flat) {
-    const Hypotheses h = solve_without_outlier(mirrored, camera, config.huber, prior);
+    const Hypotheses h = solve(mirrored, camera, config.huber, prior);
     if (h.count > 0) by_mirrored = summarise(h, mirrored);
     if (h.count > 0) deviance_mirrored = h.pose[0].deviance;
   }

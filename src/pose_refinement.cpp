@@ -27,6 +27,13 @@ double flatness(const Eigen::Isometry3d& T, const Eigen::Vector3d& hand_m) {
   return 1 - std::abs((T * hand_m).normalized().dot(T.linear().col(2)));
 }
 
+/// The point after its finger has turned.
+PosePoint turned(const PosePoint& p, double spread_rad) {
+  PosePoint t = p;
+  t.hand_m += spread_rad * p.per_spread_m;
+  return t;
+}
+
 /// The outline's point in the camera frame that is seen for a point of the hand.
 Eigen::Vector3d seen_m(const PosePoint& p, const Eigen::Isometry3d& T) {
   const Eigen::Vector3d at = T * p.hand_m;
@@ -90,10 +97,10 @@ struct Residual {
 };
 
 bool evaluate(const PosePoint& p, const Camera& camera, const Posture& at, Residual& out) {
-  PosePoint turned = p;
-  turned.hand_m += at.spread_of(p.finger) * p.per_spread_m;
   Eigen::Matrix<double, 2, 3> J_hand;
-  if (!reprojection(turned, camera, at.T_camera_hand, out.r, out.J, J_hand)) return false;
+  if (!reprojection(turned(p, at.spread_of(p.finger)), camera, at.T_camera_hand, out.r, out.J,
+                    J_hand))
+    return false;
   const double flat = flatness(at.T_camera_hand, p.hand_m);
   Eigen::Matrix2d S = J_hand * (p.covariance_m2 + flat * flat * p.wander_m2) * J_hand.transpose();
   S.diagonal().array() += p.sigma_px * p.sigma_px;
@@ -120,7 +127,10 @@ struct Linearised {
   Matrix6d H;  ///< J' W J
   Vector6d g;  ///< J' W r
   double cost = 0, chi2 = 0, points_chi2 = 0;
-  double tips = 0, tips_px2 = 0;  ///< weights of fingertips by pixel noise; of them and residuals
+  struct Tips {
+    double weight = 0, px2 = 0;  ///< by pixel noise; and with it their squared residuals
+  };
+  Tips tips, worst_tip;
   std::array<Residual, kMaxFeatures> residuals;
   int count = 0;
 
@@ -166,7 +176,8 @@ bool linearise(const PoseFeatures& features, const Camera& camera, double huber,
                Linearised& out) {
   out.H.setZero();
   out.g.setZero();
-  out.cost = out.chi2 = out.tips = out.tips_px2 = 0;
+  out.cost = out.chi2 = 0;
+  out.tips = out.worst_tip = {};
   out.count = 0;
   out.rigid = features.spread_sigma_rad == 0;
   const double prior = out.rigid ? 0 : 1 / (features.spread_sigma_rad * features.spread_sigma_rad);
@@ -181,8 +192,9 @@ bool linearise(const PoseFeatures& features, const Camera& camera, double huber,
     if (p.finger < 0) continue;
     const Residual& tip = out.residuals[out.count - 1];
     const double weight = 1 / (p.sigma_px * p.sigma_px);
-    out.tips_px2 += weight * (tip.r + at.spread_of(p.finger) * tip.j).squaredNorm();
-    out.tips += weight;
+    const double px2 = weight * (tip.r + at.spread_of(p.finger) * tip.j).squaredNorm();
+    out.tips = {out.tips.weight + weight, out.tips.px2 + px2};
+    if (px2 > out.worst_tip.px2) out.worst_tip = {weight, px2};
   }
   out.points_chi2 = out.chi2;
   for (const PoseLine& l : features.lines())
@@ -211,9 +223,7 @@ double cost_at(const PoseFeatures& features, const Camera& camera, double huber,
       cost += spread * spread / (features.spread_sigma_rad * features.spread_sigma_rad);
   int i = 0;
   for (const PosePoint& p : features.points()) {
-    PosePoint turned = p;
-    turned.hand_m += at.spread_of(p.finger) * p.per_spread_m;
-    const Eigen::Vector3d seen = seen_m(turned, at.T_camera_hand);
+    const Eigen::Vector3d seen = seen_m(turned(p, at.spread_of(p.finger)), at.T_camera_hand);
     if (!(seen.z() > kMinDepth_m)) return std::numeric_limits<double>::infinity();
     const Eigen::Vector2d r = p.px - camera.project(seen);
     cost += huber_cost(r.dot(weights.residuals[i++].information * r), huber);
@@ -255,18 +265,15 @@ std::optional<FittedPose> fit_at(const PoseFeatures& features, const Camera& cam
   fit.deviance = at.cost;
   fit.chi2 = at.chi2;
   fit.points_chi2 = at.points_chi2;
-  fit.rms_px = at.tips > 0 ? std::sqrt(at.tips_px2 / at.tips) : 0;
+  // Among so many points one tip may be another's or none: it tells nothing of the fit.
+  constexpr int kEnough = 7;
+  if (features.point_count >= kEnough)
+    at.tips = {at.tips.weight - at.worst_tip.weight, at.tips.px2 - at.worst_tip.px2};
+  fit.rms_px = at.tips.weight > 0 ? std::sqrt(std::max(0.0, at.tips.px2 / at.tips.weight)) : 0;
   return fit;
 }
 
 }  // namespace
-
-PoseFeatures PoseFeatures::without_point(int index) const {
-  PoseFeatures rest = *this;
-  std::copy(point.begin() + index + 1, point.begin() + point_count, rest.point.begin() + index);
-  --rest.point_count;
-  return rest;
-}
 
 PoseFeatures PoseFeatures::mirrored() const {
   PoseFeatures m = *this;

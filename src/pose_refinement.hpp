@@ -52,7 +52,6 @@ struct PoseFeatures {
   }
   void add(const PosePoint& p) { point[point_count++] = p; }
   void add(const PoseLine& l) { line[line_count++] = l; }
-  PoseFeatures without_point(int index) const;
   /// With heights over the hand plane of the opposite sign.
   PoseFeatures mirrored() const;
   bool flat() const;
@@ -67,7 +66,7 @@ struct FittedPose {
   double deviance = 0;                           ///< squared error in standard deviations, robust
   double chi2 = 0;                               ///< the same, all features at full weight
   double points_chi2 = 0;                        ///< of the points and the spreads alone
-  double rms_px = 0;                             ///< of the fingertips, by pixel noise weighted
+  double rms_px = 0;                             ///< as in PoseEstimate
   std::array<double, kFingerCount> spread_rad{};
 };
 

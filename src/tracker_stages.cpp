@@ -155,16 +155,24 @@ bool HandTracker::Impl::find_valleys() noexcept {
 }
 
 /// A finger that is suddenly longer or shorter runs on into what has the hand's colour, or is cut
-/// by a shadow. Far off, its tip was misread; less so, it tells less of the pose, unless it was
-/// drawn from the hand's own shape. Returns how many tips were misread.
+/// by a shadow, and sometimes a second one with it. Far off, a tip was misread; less so, it tells
+/// less of the pose, unless it was drawn from the hand's own shape. Returns how many were misread.
 int HandTracker::Impl::judge_tips() noexcept {
   constexpr float kAgree_m = 0.005f;
-  const OwnShape::OddTip odd = own_shape.odd_tip(found, kAgree_m);
-  const bool misread = odd.off_m > config.shape.misread_m;
-  if (misread)
-    found.tip_seen[odd.finger] = false;
-  else if (odd.finger >= 0 && !colorless)
-    tip_doubt_px[odd.finger] = odd.off_m * odd.px_per_m;
+  constexpr int kMostDoubted = 2;
+  int misread = 0;
+  HandShape others = found;
+  for (int i = 0; i < kMostDoubted; ++i) {
+    const OwnShape::OddTip odd = own_shape.odd_tip(others, kAgree_m);
+    if (!(odd.off_m > 0)) break;
+    others.tip_seen[odd.finger] = false;
+    if (odd.off_m > config.shape.misread_m) {
+      found.tip_seen[odd.finger] = false;
+      ++misread;
+    } else if (!colorless) {
+      tip_doubt_px[odd.finger] = odd.off_m * odd.px_per_m;
+    }
+  }
   for (int f = 0; f < kFingerCount; ++f)
     tip_inferred[f] = !found.tip_seen[f] && own_shape.infer_tip(f, found);
   return misread;

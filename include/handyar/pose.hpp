@@ -91,8 +91,9 @@ struct PoseEstimate {
   /// as long as hand and view do, and no filter can average it out.
   Matrix6d noise_covariance = Matrix6d::Zero();
 
-  /// Distance between seen and reprojected fingertips, of those used, in the calibrated posture,
-  /// weighted by 1 / sigma_px^2; by the better of both reliefs where both were tried.
+  /// Distance between seen and reprojected fingertips in the calibrated posture, weighted by
+  /// 1 / sigma_px^2; without the worst one where seven points or more are seen, valleys among them;
+  /// by the better of both reliefs where both were tried.
   double rms_px = std::numeric_limits<double>::quiet_NaN();
 
   /// Squared error in standard deviations per degree of freedom: about 1 when noise and model are
