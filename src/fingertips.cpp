@@ -236,7 +236,7 @@ bool follow_side(const Contour& contour, int tip, int step, const Eigen::Vector2
 bool measure_axis(const Contour& contour, float arc, const Eigen::Vector2f& base,
                   std::span<const Eigen::Vector2f> valleys, float width,
                   MeasuredAxis& out) noexcept {
-  constexpr float kFrom = 0.25f, kTo = 0.8f;     // of the way from the tip to the nearer valley
+  constexpr auto kFrom = static_cast<float>(kAxisEnd), kTo = static_cast<float>(kAxisRoot);
   constexpr float kRound = 0.6f, kShort = 0.7f;  // of the width: the end, the least length
   constexpr double kRagged = 0.12, kThin = 0.4, kThick = 1.7;  // of the width
   const int tip = contour.index_at(arc);

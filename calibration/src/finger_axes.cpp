@@ -4,16 +4,17 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "handyar/calibration/camera_calibration.hpp"
+#include "handyar/calibration/still_points.hpp"
+#include "handyar/fingertips.hpp"
 
 namespace handyar {
 namespace {
 
-constexpr double kEnd = 0.25, kRoot = 0.8;  // of the way from the tip to the nearer valley
-constexpr double kHeightPrior_m = 0.010;    // of both points over the hand plane
-constexpr double kIndependentViews = 5;     // in one sweep of the camera over a hand
+constexpr double kHeightPrior_m = 0.010;  // of both points over the hand plane
 constexpr double kLeastSigma_px = 0.1;
 
 struct Sight {
@@ -34,7 +35,7 @@ Line first_guess(const HandModel& hand, int finger) {
   for (const int k : {finger - 1, finger})
     if (k >= 0 && k < kValleyCount)
       depth_m = std::min(depth_m, (tip - hand.valleys_m.col(k)).dot(along));
-  Line line{tip - kEnd * depth_m * along, tip - kRoot * depth_m * along,
+  Line line{tip - kAxisEnd * depth_m * along, tip - kAxisRoot * depth_m * along,
             Eigen::Vector3d::UnitZ().cross(along)};
   line.end_m.z() = line.root_m.z() = 0;
   return line;

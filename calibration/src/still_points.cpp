@@ -11,7 +11,6 @@ namespace handyar {
 namespace {
 
 constexpr double kHeightSpread_m = 0.002;  // of fingertips on a table about their mean
-constexpr double kIndependentViews = 5;    // in one sweep of the camera over a hand
 constexpr double kWander_m = 0.008;
 constexpr double kLeastSigma_px = 0.3;
 constexpr double kUsual = 2.0 / 3;

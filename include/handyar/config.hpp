@@ -27,7 +27,7 @@ struct AcquisitionConfig {
   double least_support = 0.60;      ///< edge under the outline of a hand that is followed by it
   double sure_support = 0.66;       ///< and of one that is found by it, see OutlineSearch::follow
   double max_missing_tip_s = 0.25;  ///< how long four tips will do
-  double max_residual_m = 0.0045;   ///< of the pose of a measured hand, rms over its fingertips
+  double max_residual_m = 0.0038;   ///< of the pose of a measured hand, see PoseEstimate::rms_px
 };
 
 /// All settings, a struct per stage; the defaults are what the command line uses.

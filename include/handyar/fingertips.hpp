@@ -92,6 +92,9 @@ struct MaskStages {
 Eigen::Vector2f measure_tip(const Contour& contour, float arc, const Eigen::Vector2f& base,
                             float width, FingertipMethod method) noexcept;
 
+/// Between which its sides are straight, as shares of the way from the tip to the nearer valley.
+constexpr double kAxisEnd = 0.25, kAxisRoot = 0.8;
+
 /// Two places on the axis of a finger, the line in the middle between its sides, in mask pixels.
 struct MeasuredAxis {
   Eigen::Vector2f end, root;  ///< near the fingertip and near the valleys

@@ -14,6 +14,9 @@ namespace handyar {
 /// finite where it was not seen.
 using PixelTrack = std::vector<Eigen::Vector2d>;
 
+/// Neighbouring views err alike: one sweep of the camera over a hand is worth so many.
+constexpr double kIndependentViews = 5;
+
 struct StillPoints {
   Eigen::Matrix3Xd p_m;                        ///< in the board frame
   std::vector<Eigen::Matrix3d> covariance_m2;  ///< of each point; empty: not estimated
