@@ -36,7 +36,7 @@ void HandTracker::Impl::forget() noexcept {
   contour_size = 0;
   seen_frames = 0;
   relief_evidence = planar_evidence = 0;
-  tracked_s = -std::numeric_limits<double>::infinity();
+  tracked_s = filtered_s = -std::numeric_limits<double>::infinity();
 }
 
 void HandTracker::Impl::prepare(const ImageView& frame) {

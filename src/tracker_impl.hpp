@@ -138,8 +138,9 @@ struct HandTracker::Impl {
   double time_s = -std::numeric_limits<double>::infinity();
   double seen_s = 0;        // when the hand was last seen
   double first_seen_s = 0;  // since when it is seen without a break
-  double tracked_s = -std::numeric_limits<double>::infinity();  // when it was last tracked
-  double five_tips_s = 0;                                       // when all five tips were last seen
+  double tracked_s = -std::numeric_limits<double>::infinity();   // when it was last tracked
+  double filtered_s = -std::numeric_limits<double>::infinity();  // when a pose was last filtered
+  double five_tips_s = 0;  // when all five tips were last seen
   int seen_frames = 0;
   bool colorless = false;                // the mask is the silhouette of an outline
   double colored_s = 0;                  // when it was last seen by its colours

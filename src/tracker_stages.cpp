@@ -295,18 +295,21 @@ bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
 }
 
 void HandTracker::Impl::filter_pose(TrackResult& result) noexcept {
+  // Errors of neighbouring frames are alike: each counts by the time it stands for.
+  constexpr double kPer_s = 6.0, kLongest_s = 0.05;
+  const double share = kPer_s * std::min(time_s - filtered_s, kLongest_s);
+  filtered_s = time_s;
   if (result.raw_pose && std::isfinite(result.raw_pose->relief_log_ratio)) {
-    // Errors of neighbouring frames are alike: each counts for a fraction.
-    constexpr double kShare = 0.2, kLimit = 6.0;
+    constexpr double kLimit = 6.0;
     relief_evidence =
-        std::clamp(relief_evidence + kShare * result.raw_pose->relief_log_ratio, -kLimit, kLimit);
+        std::clamp(relief_evidence + share * result.raw_pose->relief_log_ratio, -kLimit, kLimit);
   }
   if (result.raw_pose && std::isfinite(result.raw_pose->planar_log_ratio)) {
     // Where frame after frame says that the other planar solution is it, the filter holds on to the
     // wrong one: it begins anew.
-    constexpr double kShare = 0.2, kLasting = 0.8, kEnough = 2.0;
+    constexpr double kEnough = 2.0;
     planar_evidence =
-        std::min(0.0, kLasting * planar_evidence + kShare * result.raw_pose->planar_log_ratio);
+        std::min(0.0, (1 - share) * planar_evidence + share * result.raw_pose->planar_log_ratio);
     if (planar_evidence < -kEnough) {
       planar_evidence = 0;
       filter.reset();
