@@ -45,6 +45,9 @@ struct Hand {
     p.covariance_m2.diagonal() =
         (sigma_m + Eigen::Vector3d(plane_sigma_m, plane_sigma_m, 0)).array().square();
     p.covariance_m2(2, 2) += config.relief_sigma_m * config.relief_sigma_m;
+    if (articulated)
+      p.covariance_m2 +=
+          config.tip_along_m * config.tip_along_m * p.direction * p.direction.transpose();
     p.per_spread_m = per_spread_m(finger, p.hand_m);
     return p;
   }

@@ -601,6 +601,7 @@ Consistency consistency(bool valleys, PoseMethod method, double times, int n, st
   const double spread_sigma_rad =
       method == PoseMethod::tips ? 0.0 : times * config.spread_sigma_rad;
   const double tip_sigma_m = times * config.tip_sigma_m;
+  const double tip_along_m = valleys ? times * config.tip_along_m : 0.0;
   const double relief_sigma_m = times * config.relief_sigma_m;
   std::uniform_real_distribution<double> axis(0, 2 * std::numbers::pi);
   Consistency sum;
@@ -611,7 +612,8 @@ Consistency consistency(bool valleys, PoseMethod method, double times, int n, st
     for (int k = 0; k < kFingerCount; ++k)
       actual.tips_m.col(k) +=
           Eigen::Vector3d(test::gauss(rng, tip_sigma_m), test::gauss(rng, tip_sigma_m),
-                          test::gauss(rng, relief_sigma_m));
+                          test::gauss(rng, relief_sigma_m)) +
+          test::gauss(rng, tip_along_m) * hand.directions().col(k);
     const Eigen::Isometry3d truth = hand_at(0.45, deg(45), axis(rng));
     const double wander_m = config.valley_wander_m * (1 - std::cos(deg(45)));
     for (int k = 0; k < kValleyCount; ++k) {

@@ -28,11 +28,13 @@ enum class PoseMethod : std::uint8_t {
 /// What is not known of a hand, as standard deviations.
 struct PoseConfig {
   PoseMethod method = PoseMethod::outline;
-  double spread_sigma_rad = 0.040;     ///< turn of a finger about its knuckle; not `tips`
+  double spread_sigma_rad = 0.042;     ///< turn of a finger about its knuckle; not `tips`
   double tip_radius_m = kTipRadius_m;  ///< of the fingers' round ends; not `tips`
   double web_radius_m = kWebRadius_m;  ///< of the web between them, from back to palm
   double tip_sigma_m = 0.001;      ///< of the ends of fingers in the hand plane, where the model's
                                    ///< tips_sigma_m says nothing
+  double tip_along_m = 0.001;      ///< light and nails move them along their fingers; not where
+                                   ///< valleys are those of an average hand: these know less
   double valley_sigma_m = 0.001;   ///< valleys are skin: how far they move in the hand plane
   double valley_wander_m = 0.020;  ///< and by how much more where the hand is seen edge on
   double valley_stretch = 5;       ///< times as far along the fingers: valleys are narrow, what
