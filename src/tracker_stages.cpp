@@ -289,7 +289,9 @@ bool HandTracker::Impl::estimate_pose(TrackResult& result) noexcept {
   if (model.source != HandSource::average_adult) {
     if (!result.raw_pose) return false;
     const double m_per_px = result.raw_pose->T_camera_hand.translation().z() / camera.fx_px;
-    if (result.raw_pose->rms_px * m_per_px > config.acquisition.max_residual_m) return false;
+    if (result.raw_pose->rms_px * m_per_px >
+        (following ? config.acquisition.max_residual_m : config.acquisition.new_residual_m))
+      return false;
   }
   return true;
 }

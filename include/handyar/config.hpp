@@ -28,6 +28,7 @@ struct AcquisitionConfig {
   double sure_support = 0.66;       ///< and of one that is found by it, see OutlineSearch::follow
   double max_missing_tip_s = 0.25;  ///< how long four tips will do
   double max_residual_m = 0.0038;   ///< of the pose of a measured hand, see PoseEstimate::rms_px
+  double new_residual_m = 0.0030;   ///< the same for a hand that was not followed till now
 };
 
 /// All settings, a struct per stage; the defaults are what the command line uses.
