@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <iostream>
+#include <map>
 #include <memory>
 
 #include "command.hpp"
@@ -17,6 +18,11 @@ constexpr const char* kExamples =
     "  handyar track hand.mp4 --camera camera.yml --hand hand.json --poses poses.csv\n"
     "  handyar track sample --video annotated.mp4 --model bunny\n\n"
     "Ctrl-C finishes the files; the exit code is then 130 for a file, 0 for a live camera.";
+
+const std::map<std::string, FingertipMethod> kFingertipMethods = {
+    {"curvature", FingertipMethod::curvature}, {"ellipse", FingertipMethod::ellipse}};
+const std::map<std::string, PoseMethod> kPoseMethods = {
+    {"tips", PoseMethod::tips}, {"points", PoseMethod::points}, {"outline", PoseMethod::outline}};
 
 // The options as they are typed, where that is not how the tracker has them.
 struct Choices {
@@ -64,13 +70,13 @@ Command add_track(CLI::App& app) {
       ->check(CLI::IsMember({"full", "half"}))
       ->capture_default_str();
   options->add_option("--fingertips", choices->fingertips, "How fingertips are measured")
-      ->check(CLI::IsMember({"curvature", "ellipse"}))
+      ->check(CLI::IsMember(kFingertipMethods))
       ->capture_default_str();
   options
       ->add_option("--pose", choices->pose,
-                   "From the rigid tips alone, as the paper, from all points of the hand, or also "
-                   "from the fingers' sides")
-      ->check(CLI::IsMember({"tips", "points", "outline"}))
+                   "From all points of the hand and the fingers' sides, from the points alone, or "
+                   "from the rigid tips alone, as in the paper")
+      ->check(CLI::IsMember(kPoseMethods))
       ->capture_default_str();
   options->add_flag("--no-annotation", choices->no_annotation,
                     "Leave contour, fingertips and axes off the pictures");
@@ -80,12 +86,8 @@ Command add_track(CLI::App& app) {
   options->footer(kExamples);
   return {options, [run, choices] {
             run->config.half_resolution = choices->processing == "half";
-            run->config.fingertips.method = choices->fingertips == "curvature"
-                                                ? FingertipMethod::curvature
-                                                : FingertipMethod::ellipse;
-            run->config.pose.method = choices->pose == "tips"     ? PoseMethod::tips
-                                      : choices->pose == "points" ? PoseMethod::points
-                                                                  : PoseMethod::outline;
+            run->config.fingertips.method = kFingertipMethods.at(choices->fingertips);
+            run->config.pose.method = kPoseMethods.at(choices->pose);
             run->config.filter.enabled = !choices->no_filter;
             run->timings = !choices->no_timings;
             run->annotated = !choices->no_annotation;
