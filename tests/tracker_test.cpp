@@ -202,6 +202,25 @@ TEST(Tracker, AHandUnlikeOthersIsBelievedWhereReadingsAgree) {
   EXPECT_TRUE(tracks_a_bent_finger({}));
 }
 
+/// Whether a hand is tracked whose tips are higher and lower than its model has them, in turn.
+bool tracks_a_hand_off_its_model(double off_m, const Config& config) {
+  Film film(config);
+  film.textured = true;
+  for (int f = 0; f < kFingerCount; ++f)
+    film.hand_model.tips_m(1, f) += f % 2 == 0 ? off_m : -off_m;
+  film.tracker = HandTracker(film.camera, film.hand_model, config);
+  return film.until(State::tracking, 1) < 1;
+}
+
+TEST(Tracker, AHandJustFoundFitsItsModelBetterThanOneThatIsFollowed) {
+  Config as_one_followed;
+  as_one_followed.acquisition.new_residual_m = as_one_followed.acquisition.max_residual_m;
+  EXPECT_TRUE(tracks_a_hand_off_its_model(0.004, {}));
+  EXPECT_FALSE(tracks_a_hand_off_its_model(0.0059, {}));
+  EXPECT_TRUE(tracks_a_hand_off_its_model(0.0059, as_one_followed));
+  EXPECT_FALSE(tracks_a_hand_off_its_model(0.007, as_one_followed));
+}
+
 /// In how many of 60 frames the thumb of a new hand is read at the far end of a bar that it
 /// touches, which has its colour.
 int read_at_the_end_of_the_bar(const Config& config) {
