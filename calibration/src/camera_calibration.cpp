@@ -176,7 +176,8 @@ CameraCalibration calibrate_camera(std::span<const CalibrationView> views, const
 
   used = leave_outliers(used, fit(views, used, board, image_size, kModels[2].flags).view_rms);
   require_enough(used);
-  const auto [f, model] = best_fit(views, used, board, image_size);
+  const auto best = best_fit(views, used, board, image_size);
+  const auto& f = best.first;
 
   CameraCalibration out;
   out.camera = {.width_px = image_size.width,
@@ -190,7 +191,7 @@ CameraCalibration calibrate_camera(std::span<const CalibrationView> views, const
   const auto sigma = [&f](int i) { return f.sigma.at<double>(i); };
   out.focal_sigma_px = std::max(sigma(0), sigma(1));
   out.centre_sigma_px = std::max(sigma(2), sigma(3));
-  out.distortion = model->name;
+  out.distortion = best.second->name;
   out.views_used = used;
   require_good(out, px_scale);
   return out;
