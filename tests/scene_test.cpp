@@ -110,6 +110,10 @@ TEST(Scene, SaysInOneLineWhatIsWrong) {
   expect_complaint(with([](json& o) { o["size_mm"] = -3; }), "size_mm");
   expect_complaint(with([](json& o) { o["size_mm"] = "big"; }), "size_mm");
   expect_complaint(with([](json& o) { o["pose"] = {{"position_mm", {1, 2}}}; }), "position_mm");
+  expect_complaint(with([](json& o) {
+                     o["pose"] = {{"position_mm", {1e9, 0, 0}}};
+                   }),
+                   "object 2: \"position_mm\": 1000000000.0 is not from -1e6 to 1e6");
   expect_complaint(with([](json& o) { o["name"] = "a"; }), "used twice");
   expect_complaint(with([](json& o) { o = 7; }), "object 2");
   expect_complaint(with([](json& o) { o["marker"]["id"] = 50; }),

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/io/camera_file.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -181,6 +183,30 @@ void read_distortion(const Reader& file, Camera& camera) {
   }
 }
 
+// Outwards from the centre a lens shows one direction after the other, in the same turn:
+// coefficients that fold the picture are a slip. Its corners may fold, no calibration looks there.
+void require_unfolded(const Reader& file, const Camera& camera) {
+  constexpr double kWithin = 0.75, kStep = 0.02, kFarthest = 12;  // tan of 85 degrees
+  constexpr int kDirections = 24;
+  const auto within = [&](const Eigen::Vector2d& px) {
+    const double x = (px.x() - camera.cx_px) / camera.width_px;
+    const double y = (px.y() - camera.cy_px) / camera.height_px;
+    return std::hypot(x, y) < 0.5 * kWithin;
+  };
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle_rad = 2 * std::numbers::pi * i / kDirections;
+    const Eigen::Vector3d direction(std::cos(angle_rad), std::sin(angle_rad), 0);
+    Eigen::Vector2d px = camera.project(Eigen::Vector3d::UnitZ());
+    for (double r = kStep; within(px); r += kStep) {
+      Eigen::Matrix<double, 2, 3> J;
+      px = camera.project(r * direction + Eigen::Vector3d::UnitZ(), &J);
+      const double turn = J.leftCols<2>().determinant();
+      if (!(turn > 0) || r > kFarthest)
+        file.fail("distortion_coefficients fold the picture over itself");
+    }
+  }
+}
+
 void append(std::string& text, double value) {
   char digits[32];
   const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
@@ -199,6 +225,7 @@ Camera parse_camera(std::string_view text, std::string_view name) {
     camera.height_px = file.size("image_height");
     read_intrinsics(file, camera);
     read_distortion(file, camera);
+    require_unfolded(file, camera);
     return camera;
   } catch (const cv::Exception&) {
     throw Error(name, "is not a camera file (YAML)");

@@ -16,6 +16,7 @@ namespace {
 constexpr double kMinSpan_m = 0.05, kMaxSpan_m = 0.35;
 constexpr double kMinGap_m = 0.005;       // between neighbouring fingertips
 constexpr double kMaxCoordinate_m = 0.5;  // of anything on a hand
+constexpr double kMaxHeight_m = 0.12;     // above or below the mean of the fingertips
 constexpr double kMaxThickness_m = 0.1;
 constexpr std::size_t kMaxOutlinePoints = 10000;
 
@@ -97,6 +98,14 @@ class Reader {
 
 void read_tips(const Reader& file, HandModel& hand) {
   hand.tips_m = file.points("tips_m", kFingerNames);
+  const double mean_z_m = hand.tips_m.row(2).mean();
+  for (int i = 0; i < kFingerCount; ++i) {
+    const double height_m = std::abs(hand.tips_m(2, i) - mean_z_m);
+    if (height_m > kMaxHeight_m)
+      file.fail("tips_m: " + std::string(kFingerNames[static_cast<std::size_t>(i)]) + " is " +
+                std::to_string(std::lround(height_m * 1000)) +
+                " mm off the plane of the others, a finger bends by 120 mm at most");
+  }
   if (hand.span_m() < kMinSpan_m || hand.span_m() > kMaxSpan_m) {
     file.fail("tips_m: thumb and little finger are " +
               std::to_string(std::lround(hand.span_m() * 1000)) +

@@ -84,8 +84,9 @@ class Reader {
     Eigen::Vector3d out;
     if (!v.is_array() || v.size() != 3) fail(std::string("\"") + key + "\" is not three numbers");
     for (int i = 0; i < 3; ++i) {
-      if (!v[i].is_number() || !(std::abs(v[i].get<double>()) <= 1e6))
-        fail(std::string("\"") + key + "\" is not three numbers");
+      if (!v[i].is_number()) fail(std::string("\"") + key + "\" is not three numbers");
+      if (!(std::abs(v[i].get<double>()) <= 1e6))
+        fail(std::string("\"") + key + "\": " + v[i].dump() + " is not from -1e6 to 1e6");
       out[i] = v[i];
     }
     return out;
