@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/io/pending_file.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -34,6 +36,32 @@ fs::path behind_links(fs::path path) {
   return fault || canonical.empty() ? path : canonical;
 }
 
+// Beside `destination`: what it is called until it is complete.
+std::string partial_prefix(const fs::path& destination) {
+  return destination.stem().string().substr(0, kMaxStemBytes) + ".partial-";
+}
+
+// A run that was killed could not remove its partial file, but no longer holds its lock.
+void remove_leftovers(const fs::path& destination) {
+  const std::string prefix = partial_prefix(destination);
+  const std::string extension = destination.extension().string();
+  const fs::path folder = destination.parent_path().empty() ? "." : destination.parent_path();
+  std::error_code fault;
+  for (const auto& entry : fs::directory_iterator(folder, fault)) {
+    const std::string name = entry.path().filename().string();
+    if (name.size() <= prefix.size() + extension.size() || !name.starts_with(prefix) ||
+        !name.ends_with(extension))
+      continue;
+    const std::string_view number = std::string_view(name).substr(
+        prefix.size(), name.size() - prefix.size() - extension.size());
+    if (number.find_first_not_of("0123456789") != std::string_view::npos) continue;
+    const int file = ::open(entry.path().c_str(), O_RDONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
+    if (file < 0) continue;
+    if (::flock(file, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    ::close(file);
+  }
+}
+
 }  // namespace
 
 PendingFile::PendingFile(const std::string& target) : target_(target) {
@@ -46,8 +74,9 @@ PendingFile::PendingFile(const std::string& target) : target_(target) {
   destination_ = destination.string();
   pending_ = !fs::exists(destination, ignored) || fs::is_regular_file(destination, ignored);
   if (pending_) {
-    const fs::path name = destination.stem().string().substr(0, kMaxStemBytes) + ".partial-" +
-                          std::to_string(::getpid()) + destination.extension().string();
+    remove_leftovers(destination);
+    const fs::path name =
+        partial_prefix(destination) + std::to_string(::getpid()) + destination.extension().string();
     path_ = (destination.parent_path() / name).string();
   } else {
     path_ = destination_;
@@ -57,17 +86,22 @@ PendingFile::PendingFile(const std::string& target) : target_(target) {
     pending_ = false;
     throw Error(target, "cannot be written: " + reason());
   }
+  if (!pending_) return;
+  lock_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (lock_ >= 0) ::flock(lock_, LOCK_EX | LOCK_NB);
 }
 
 PendingFile::PendingFile(PendingFile&& other) noexcept
     : target_(std::move(other.target_)),
       destination_(std::move(other.destination_)),
       path_(std::move(other.path_)),
-      pending_(std::exchange(other.pending_, false)) {}
+      pending_(std::exchange(other.pending_, false)),
+      lock_(std::exchange(other.lock_, -1)) {}
 
 PendingFile::~PendingFile() {
   std::error_code ignored;
   if (pending_) fs::remove(path_, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 void PendingFile::commit() {

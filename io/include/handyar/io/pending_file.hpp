@@ -7,6 +7,7 @@ namespace handyar::io {
 
 /// A file in the making: it is written under a temporary name beside its target and takes the
 /// target's place on commit(). Without commit() nothing is left and an older file stays as it was.
+/// What a killed run left of the same target is removed.
 /// A target that is not a regular file (/dev/stdout, a pipe) is written directly.
 class PendingFile {
  public:
@@ -25,6 +26,7 @@ class PendingFile {
  private:
   std::string target_, destination_, path_;
   bool pending_ = false;
+  int lock_ = -1;  // of the temporary file: tells it from what a killed run left
 };
 
 /// Throws Error when a PendingFile could not be made: for results of long work, before it is done.
