@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "handyar/render/hand_overlay.hpp"
+#include "handyar/render/window.hpp"
 
 namespace handyar::render {
 namespace {
@@ -233,6 +234,13 @@ TEST_F(RendererTest, WhatIsOutOfViewOrBehindTheCameraIsHarmless) {
   }
 }
 
+TEST(WindowTest, FitsTheScreenAndKeepsTheAspect) {
+  EXPECT_EQ(window_size({640, 480}, {1280, 800}), cv::Size(640, 480));
+  EXPECT_EQ(window_size({4096, 2160}, {1280, 800}), cv::Size(1280, 675));
+  EXPECT_EQ(window_size({480, 852}, {1280, 800}), cv::Size(450, 800));
+  EXPECT_EQ(window_size({640, 480}, {}), cv::Size(640, 480)) << "the screen's size is not known";
+}
+
 struct OverlayTest : RendererTest {
   HandOverlay overlay{cube(), 0.05};
   const HandModel hand = average_adult_hand();
@@ -263,6 +271,13 @@ TEST_F(OverlayTest, ComesAndGoesWithoutAJump) {
   }
   EXPECT_EQ(before, kSkin);
   EXPECT_GE(changes, 6);
+}
+
+TEST_F(OverlayTest, DoesNotHangInTheAirThatTheHandHasLeft) {
+  hand_covers({220, 140, 200, 300});
+  for (int i = 0; i < 20; ++i) step(i / 30.0, hand_at(0.45), Layout::thumb_right);
+  for (int i = 20; i < 24; ++i) step(i / 30.0, std::nullopt, Layout::thumb_right);
+  EXPECT_EQ(step(24 / 30.0, std::nullopt, Layout::thumb_right), kSkin);
 }
 
 TEST_F(OverlayTest, AfterAFlipItLeavesOneFaceBeforeItComesOnTheOther) {

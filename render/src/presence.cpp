@@ -7,12 +7,12 @@ namespace handyar::render {
 
 void Presence::update(double time_s, const std::optional<Eigen::Isometry3d>& T_camera_hand,
                       std::optional<Layout> layout) {
-  const double step = started_ ? std::max(0.0, time_s - last_s_) / fade_s_ : 0;
+  const double step_s = started_ ? std::max(0.0, time_s - last_s_) : 0;
   last_s_ = time_s;
   started_ = true;
   const bool here = T_camera_hand && layout;
   const bool same_face = here && (shown_ <= 0 || *layout == where_.layout);
-  shown_ = std::clamp(shown_ + (same_face ? step : -step), 0.0, 1.0);
+  shown_ = std::clamp(shown_ + (same_face ? step_s / appear_s_ : -step_s / vanish_s_), 0.0, 1.0);
   if (same_face || (here && shown_ <= 0)) {
     where_.T_camera_hand = *T_camera_hand;
     where_.layout = *layout;

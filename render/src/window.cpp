@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/render/window.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "gl.hpp"
 // GLFW after epoxy, which brings the OpenGL declarations.
 #include <GLFW/glfw3.h>
@@ -8,6 +11,26 @@
 #include "handyar/io/error.hpp"
 
 namespace handyar::render {
+
+namespace {
+
+// What is free of panels, less some room for the window's own frame.
+cv::Size free_of_screen() {
+  constexpr double kFree = 0.94;
+  int x = 0, y = 0, width = 0, height = 0;
+  if (GLFWmonitor* const monitor = glfwGetPrimaryMonitor())
+    glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
+  return {int(kFree * width), int(kFree * height)};
+}
+
+}  // namespace
+
+cv::Size window_size(cv::Size picture_px, cv::Size free_px) {
+  if (free_px.empty()) return picture_px;  // not known
+  const double scale = std::min(
+      {1.0, double(free_px.width) / picture_px.width, double(free_px.height) / picture_px.height});
+  return {std::max(1, int(scale * picture_px.width)), std::max(1, int(scale * picture_px.height))};
+}
 
 struct Window::Painter {
   gl::Program program{
@@ -35,13 +58,19 @@ Window::Window(int width_px, int height_px, const std::string& title) {
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   // EGL like the headless context: a thread cannot go from one of EGL to one of GLX.
   glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
-  window_ = glfwCreateWindow(width_px, height_px, title.c_str(), nullptr, nullptr);
+  const cv::Size size = window_size({width_px, height_px}, free_of_screen());
+  window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
   if (!window_) {
     glfwTerminate();
     throw io::Error("--show", "this display offers no OpenGL 3.3");
   }
   glfwSetInputMode(window_, GLFW_STICKY_KEYS,
                    GLFW_TRUE);  // a short press between two frames counts
+  glfwSetWindowUserPointer(window_, &typed_);
+  glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned character) {
+    if (character < 0x80)
+      *static_cast<std::string*>(glfwGetWindowUserPointer(window)) += char(character);
+  });
   make_current();
   glfwSwapInterval(0);  // the camera sets the pace
   painter_ = std::make_unique<Painter>();
@@ -53,6 +82,8 @@ Window::~Window() {
   glfwDestroyWindow(window_);
   glfwTerminate();
 }
+
+std::string Window::take_typed() { return std::exchange(typed_, {}); }
 
 void Window::make_current() { glfwMakeContextCurrent(window_); }
 

@@ -8,11 +8,13 @@
 
 namespace handyar::render {
 
-/// Lets an object come and go without a jump: it fades in where the hand is, fades out where the
-/// hand was last, and after a flip leaves one face before it comes back on the other.
+/// Lets an object come and go without a jump: it fades in where the hand is, fades out quickly
+/// where the hand was last, for nothing is to hang in the air that the hand has left, and after a
+/// flip leaves one face before it comes back on the other.
 class Presence {
  public:
-  explicit Presence(double fade_s = 0.3) : fade_s_(fade_s) {}
+  explicit Presence(double appear_s = 0.3, double vanish_s = 0.12)
+      : appear_s_(appear_s), vanish_s_(vanish_s) {}
 
   struct Sighting {
     Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
@@ -28,7 +30,7 @@ class Presence {
   Sighting sighting() const;
 
  private:
-  double fade_s_;
+  double appear_s_, vanish_s_;
   double last_s_ = 0;
   double shown_ = 0;  // linear in time, 0 .. 1
   bool started_ = false;
