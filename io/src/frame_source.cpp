@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "handyar/io/cameras.hpp"
@@ -55,6 +56,20 @@ ImageView Frame::view() const noexcept {
   view.stride_bytes = static_cast<std::ptrdiff_t>(bgr.step[0]);
   view.format = PixelFormat::bgr;
   return view;
+}
+
+int reduction(const cv::Mat& picture) {
+  constexpr int kLonger_px = 4096, kShorter_px = 2160;
+  const auto [shorter, longer] = std::minmax({picture.cols, picture.rows});
+  int by = 1;
+  while (longer / by > kLonger_px || shorter / by > kShorter_px) ++by;
+  return by;
+}
+
+void reduce(cv::Mat& picture, int by) {
+  if (by == 1) return;
+  const cv::Size size(picture.cols / by, picture.rows / by);
+  cv::resize(picture(cv::Rect({0, 0}, size * by)), picture, size, 0, 0, cv::INTER_AREA);
 }
 
 void require_usable(const Frame& frame, const std::string& name) {

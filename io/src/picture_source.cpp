@@ -76,6 +76,9 @@ class PictureSource final : public FrameSource {
     info_.fps = kPictureFps;
     info_.frame_count = static_cast<std::int64_t>(pictures_.size());
     load(pictures_.front(), first);
+    info_.reduced_by = reduction(first.bgr);
+    reduce(loaded_, info_.reduced_by);
+    reduce(first.bgr, info_.reduced_by);
     require_usable(first, pictures_.front().path);
     info_.width_px = first.bgr.cols;
     info_.height_px = first.bgr.rows;
@@ -108,6 +111,7 @@ class PictureSource final : public FrameSource {
     }
     if (loaded_.empty()) throw Error(path, "is not a picture that can be read");
     if (is_cut_short(path)) throw Error(path, "breaks off");  // the rest is grey
+    reduce(loaded_, info_.reduced_by);
     loaded_path_ = path;
   }
 

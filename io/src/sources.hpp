@@ -18,8 +18,9 @@ bool is_picture(const std::string& path);
 /// Whether the file name holds a %d or %0Nd.
 bool is_picture_pattern(const std::string& path);
 
-/// How many frames are found in a video file, `most` at most, without decoding any.
-std::int64_t count_packets(const std::string& path, std::int64_t most);
+/// The whole number by which sides are divided so that HandTracker takes the picture.
+int reduction(const cv::Mat& picture);
+void reduce(cv::Mat& picture, int by);
 
 /// Throws Error when HandTracker does not take such frames.
 void require_usable(const Frame& frame, const std::string& name);

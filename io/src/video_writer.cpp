@@ -7,9 +7,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "container.hpp"
+#include "decoder.hpp"
 #include "handyar/io/error.hpp"
 #include "sources.hpp"
 
@@ -48,11 +50,10 @@ std::string reason_against_writing(const std::string& path) {
 VideoWriter::VideoWriter(const std::string& path, int width_px, int height_px, double fps)
     : file_((codecs_for(path), path)), fps_(fps) {
   silence_libraries();
+  const cv::Size even(width_px + width_px % 2, height_px + height_px % 2);
   for (const int codec : codecs_for(path)) {
     try {
-      if (writer_.open(file_.path(), cv::CAP_FFMPEG, codec, fps, cv::Size(width_px, height_px))) {
-        return;
-      }
+      if (writer_.open(file_.path(), cv::CAP_FFMPEG, codec, fps, even)) return;
     } catch (const cv::Exception&) {
     }
   }
@@ -63,8 +64,11 @@ VideoWriter::VideoWriter(const std::string& path, int width_px, int height_px, d
                         std::to_string(height_px) + " pixels was found");
 }
 
+// Colours are kept for two by two pixels: the last row or column of an odd size is shown twice.
 void VideoWriter::put(const cv::Mat& bgr) {
-  writer_.write(bgr);
+  const int right = bgr.cols % 2, below = bgr.rows % 2;
+  if (right + below > 0) cv::copyMakeBorder(bgr, even_, 0, below, 0, right, cv::BORDER_REPLICATE);
+  writer_.write(right + below > 0 ? even_ : bgr);
   ++frames_;
 }
 
@@ -84,7 +88,7 @@ void VideoWriter::finish() {
   std::error_code fault;
   if (std::filesystem::is_regular_file(file_.path(), fault) &&
       (std::filesystem::file_size(file_.path(), fault) == 0 || is_cut_short(file_.path()) ||
-       count_packets(file_.path(), frames_) < frames_)) {
+       count_packets(file_.path()) < frames_)) {
     throw Error(file_.target(), "cannot be written whole" + reason_against_writing(file_.path()));
   }
   file_.commit();

@@ -24,6 +24,7 @@ struct SourceInfo {
   std::string name;  ///< as messages call it: the path, or the camera's device
   int width_px = 0;  ///< of every frame, upright
   int height_px = 0;
+  int reduced_by = 1;            ///< larger pictures are read at a half, a third, ... of their size
   double fps = 30;               ///< nominal
   std::int64_t frame_count = 0;  ///< as the container promises; 0: unknown or endless
   bool live = false;

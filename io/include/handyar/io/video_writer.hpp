@@ -30,7 +30,7 @@ class VideoWriter {
   cv::VideoWriter writer_;
   double fps_, start_s_ = 0;
   std::int64_t frames_ = 0;
-  cv::Mat last_;
+  cv::Mat last_, even_;
 };
 
 }  // namespace handyar::io
