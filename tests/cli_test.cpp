@@ -10,11 +10,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <opencv2/core.hpp>
 #include <set>
 #include <sstream>
 #include <thread>
 
+#include "handyar/io/frame_source.hpp"
 #include "handyar/io/pose_csv.hpp"
+#include "handyar/io/video_writer.hpp"
 
 namespace fs = std::filesystem;
 
@@ -174,6 +177,12 @@ TEST_F(CliTest, HelpVersionAndCamerasSucceed) {
     EXPECT_EQ(r.err, "");
     EXPECT_NE(r.out.find("Usage: handyar"), std::string::npos) << r.out;
   }
+  const std::string help = run("track --help").out;
+  for (const char* line : {"--model-mm 1 to 10000 (90)", "--processing full|half (full)"})
+    EXPECT_NE(help.find(line), std::string::npos) << help;
+  const Outcome far = run("track " + kVideo + " --model-mm 0");
+  EXPECT_EQ(far.code, 2);
+  EXPECT_NE(far.err.find("0 is not a number from 1 to 10000"), std::string::npos) << far.err;
   const Outcome cameras = run("cameras");
   EXPECT_EQ(cameras.code, 0);
   EXPECT_GE(lines(cameras.out), 1);
@@ -303,11 +312,82 @@ TEST_F(CliTest, NoColoursAreLearnedWithoutAHand) {
     EXPECT_EQ(left(), std::set<std::string>{});
   };
   write("wall.ppm", "P6\n160 120\n255\n" + std::string(160 * 120 * 3, 'x'));
-  no_hand(in("wall.ppm"), in("wall.ppm"), "an open hand was tracked for 0.0 s, 0.5 s are needed");
+  no_hand(in("wall.ppm"), in("wall.ppm"),
+          "an open hand was tracked for 0.0 s, at least half of the 1.0 s");
   no_hand(in("no.mp4"), in("no.mp4"), "no such file");
   EXPECT_EQ(run("learn-color " + kVideo).code, 2) << "--out is missing";
   EXPECT_EQ(run("learn-color " + kVideo + " --out " + kVideo).code, 2);
   EXPECT_EQ(run("learn-color " + kVideo + " --out /proc/skin.json").code, 1);
+}
+
+TEST_F(CliTest, SaysWhatIsMissingWhenNothingWasTracked) {
+  const auto film = [&](const cv::Matx34f& change) {
+    const auto source = io::open_input(kVideo);
+    io::VideoWriter writer(in("f.avi"), source->info().width_px, source->info().height_px, 30);
+    for (io::Frame frame; source->read(frame);) {
+      cv::transform(frame.bgr, frame.bgr, change);
+      writer.write(frame.bgr, frame.time_s);
+    }
+    writer.finish();
+    const Outcome r = run("track " + in("f.avi"));
+    EXPECT_EQ(r.code, 0) << r.err;
+    EXPECT_EQ(lines(r.out), 2) << r.out;
+    return r.out;
+  };
+  const std::string grey = film({0, 0, 0, 128, 0, 0, 0, 128, 0, 0, 0, 128});
+  EXPECT_NE(grey.find("\nthe pictures are grey"), std::string::npos) << grey;
+  const std::string dark = film({0, 0, 0, 5, 0, 0, 0, 10, 0, 0, 0, 25});
+  EXPECT_NE(dark.find("\nthe pictures are too dark"), std::string::npos) << dark;
+  const std::string wall = film({0, 0, 0, 180, 0, 0, 0, 120, 0, 0, 0, 60});
+  EXPECT_NE(wall.find("\nno skin-coloured region was seen"), std::string::npos) << wall;
+  const std::string skin = film({0, 0, 0, 110, 0, 0, 0, 140, 0, 0, 0, 200});
+  EXPECT_NE(skin.find("\nthe hand fills the picture"), std::string::npos) << skin;
+  EXPECT_EQ(lines(run("track " + kVideo).out), 1);
+}
+
+TEST_F(CliTest, TooShortAHandForLearningIsSaidInTheWordsOfTheOption) {
+  const Outcome asked = run("learn-color " + kVideo + " --seconds 100 --out " + out("skin.json"));
+  EXPECT_EQ(asked.code, 1);
+  EXPECT_NE(asked.err.find("at least half of the 100.0 s of --seconds"), std::string::npos)
+      << asked.err;
+}
+
+TEST_F(CliTest, EventsTellWhenTheHandIsFoundAndLost) {
+  const std::string track =
+      "track " + kVideo + " --poses " + out("p.csv") + " --events " + out("e.jsonl");
+  EXPECT_EQ(run(track).code, 0);
+  const std::string events = contents(out("e.jsonl"));
+  EXPECT_EQ(events.rfind("{\"event\":\"found\",\"frame\":", 0), 0u) << events;
+  EXPECT_NE(events.find("\"layout\":\"thumb_"), std::string::npos) << events;
+  int changes = 0;
+  std::string before = "none", row;
+  for (std::istringstream rows(contents(out("p.csv"))); std::getline(rows, row);) {
+    const bool tracked = row.find(",tracking,") != std::string::npos;
+    changes += tracked != (before == "tracking");
+    before = tracked ? "tracking" : "none";
+  }
+  EXPECT_EQ(lines(events), changes);
+  EXPECT_EQ(run("track " + kVideo + " --events " + out("a") + " --poses " + out("a")).code, 2);
+}
+
+TEST_F(CliTest, MirroredPicturesShowTheSamePosesTheOtherWayRound) {
+  const auto track = [&](const std::string& name, const std::string& more) {
+    const Outcome r = run("track " + kVideo + more + " --no-timings --poses " + out(name + ".csv") +
+                          " --video " + out(name + ".avi"));
+    EXPECT_EQ(r.code, 0) << r.err;
+  };
+  track("plain", " --no-annotation");
+  track("mirrored", " --no-annotation --mirror");
+  track("said", " --mirror");
+  EXPECT_EQ(contents(out("plain.csv")), contents(out("mirrored.csv")));
+  const auto plain = io::open_input(out("plain.avi")),
+             mirrored = io::open_input(out("mirrored.avi"));
+  io::Frame a, b;
+  ASSERT_TRUE(plain->read(a) && mirrored->read(b));
+  cv::Mat turned;
+  cv::flip(b.bgr, turned, 1);
+  EXPECT_LT(cv::norm(a.bgr, turned, cv::NORM_L1) / double(3 * a.bgr.total()), 3);
+  EXPECT_GT(cv::norm(a.bgr, b.bgr, cv::NORM_L1) / double(3 * a.bgr.total()), 6);
 }
 
 TEST_F(CliTest, DemoMakesVideoAndPoses) {

@@ -29,6 +29,7 @@ cv::Point fixed(const Eigen::Vector2d& px) {
 struct Pen {
   cv::Mat& picture;
   double unit;  ///< 1 at 640x480
+  bool mirrored = false;
 
   int thick(double width) const { return std::max(1, cvRound(width * unit)); }
 
@@ -56,10 +57,19 @@ struct Pen {
     const int margin = thick(3);
     at.x = std::max(margin, std::min(at.x, picture.cols - box.width - margin));
     at.y = std::max(box.height + margin, std::min(at.y, picture.rows - margin));
-    cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size * unit, kShadow, thick(3),
+    // In a picture that will be mirrored its strip is mirrored for as long as it is written on.
+    const cv::Range rows(std::max(0, at.y - box.height - margin),
+                         std::min(picture.rows, at.y + box.height));
+    const cv::Range cols(std::max(0, at.x - margin),
+                         std::min(picture.cols, at.x + box.width + margin));
+    cv::Mat strip = picture(rows, cols);
+    if (mirrored) cv::flip(strip, strip, 1);
+    at -= cv::Point(cols.start, rows.start);
+    cv::putText(strip, text, at, cv::FONT_HERSHEY_SIMPLEX, size * unit, kShadow, thick(3),
                 cv::LINE_AA);
-    cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size * unit, color, thick(1),
+    cv::putText(strip, text, at, cv::FONT_HERSHEY_SIMPLEX, size * unit, color, thick(1),
                 cv::LINE_AA);
+    if (mirrored) cv::flip(strip, strip, 1);
   }
 
   void centered_text(const std::string& label, const Eigen::Vector2d& center, double size,
@@ -70,8 +80,8 @@ struct Pen {
   }
 };
 
-Pen pen_for(cv::Mat& bgr) {
-  return {bgr, std::max(0.6, std::min(bgr.cols / 640.0, bgr.rows / 480.0))};
+Pen pen_for(cv::Mat& bgr, bool mirrored = false) {
+  return {bgr, std::max(0.6, std::min(bgr.cols / 640.0, bgr.rows / 480.0)), mirrored};
 }
 
 void draw_contour(const Pen& pen, std::span<const Eigen::Vector2f> contour_px) {
@@ -126,9 +136,11 @@ void draw_axes(const Pen& pen, const Camera& camera, const Eigen::Isometry3d& T_
   pen.dot(origin_px, 3, kWhite);
 }
 
-std::string status_line(const TrackResult& result) {
+std::string status_line(const TrackResult& result, bool mirrored, const std::string& missing) {
   std::string line(name(result.state));
-  if (result.layout) line += "   " + std::string(name(*result.layout));
+  if (result.layout)
+    line += "   " + std::string(name(mirrored ? opposite(*result.layout) : *result.layout));
+  if (result.state != State::tracking && !missing.empty()) return line + "   " + missing;
   char text[96];
   if (result.pose) {
     std::snprintf(text, sizeof text, "   %.0f mm%s",
@@ -145,7 +157,7 @@ std::string status_line(const TrackResult& result) {
 }
 
 // A darkened band at the bottom: text on it is legible before any background.
-void draw_status(const Pen& pen, const TrackResult& result) {
+void draw_status(const Pen& pen, const TrackResult& result, const std::string& missing) {
   static const cv::Scalar colors[] = {
       {190, 190, 190}, {60, 200, 250}, {110, 220, 120}, {80, 100, 240}};  // as in State
   const int height = pen.thick(26);
@@ -153,8 +165,12 @@ void draw_status(const Pen& pen, const TrackResult& result) {
   band *= 0.35;
   const cv::Scalar& color = colors[static_cast<std::size_t>(result.state)];
   const double y = pen.picture.rows - 0.5 * height;
-  pen.dot({14 * pen.unit, y}, 5, color);
-  pen.text(status_line(result), {pen.thick(28), cvRound(y + 5 * pen.unit)}, 0.48, kWhite);
+  const std::string line = status_line(result, pen.mirrored, missing);
+  const double left = 14 * pen.unit, right = pen.picture.cols - 1 - left;
+  pen.dot({pen.mirrored ? right : left, y}, 5, color);
+  int x = pen.thick(28);
+  if (pen.mirrored) x = pen.picture.cols - x - pen.size_of(line, 0.48).width;
+  pen.text(line, {x, cvRound(y + 5 * pen.unit)}, 0.48, kWhite);
 }
 
 }  // namespace
@@ -168,11 +184,22 @@ void draw_axes(cv::Mat& bgr, const Camera& camera, const Eigen::Isometry3d& T_ca
 }
 
 void annotate(cv::Mat& bgr, const HandTracker& tracker, const Camera& camera,
-              const TrackResult& result) {
-  draw_contour(bgr, tracker.contour_px());
-  if (result.pose) draw_axes(bgr, camera, result.pose->T_camera_hand);
-  draw_tips(bgr, result);
-  draw_status(pen_for(bgr), result);
+              const TrackResult& result, bool mirrored, const std::string& missing) {
+  const Pen pen = pen_for(bgr, mirrored);
+  draw_contour(pen, tracker.contour_px());
+  if (result.pose) draw_axes(pen, camera, result.pose->T_camera_hand);
+  draw_tips(pen, result);
+  draw_status(pen, result, missing);
+}
+
+void draw_lines(cv::Mat& bgr, const std::vector<std::string>& lines) {
+  const Pen pen = pen_for(bgr);
+  const int step = pen.thick(24), width = pen.thick(170);
+  const int height = step * (static_cast<int>(lines.size()) + 1) - step / 3;
+  cv::Mat panel = bgr(cv::Rect(0, 0, std::min(width, bgr.cols), std::min(height, bgr.rows)));
+  panel *= 0.35;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    pen.text(lines[i], {pen.thick(14), step * (static_cast<int>(i) + 1)}, 0.48, kWhite);
 }
 
 }  // namespace handyar::cli

@@ -2,16 +2,22 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
 
 #include "handyar/tracker.hpp"
 
 namespace handyar::cli {
 
 /// Draws what the tracker found in the frame onto it: the hand's contour, the labelled fingertips,
-/// the axes of the hand frame, and a line with state, layout and milliseconds. `camera` is the one
-/// of this picture size.
+/// the axes of the hand frame, and a line with state, layout and milliseconds, and `missing` when
+/// there is no hand. `camera` is the one of this picture size. `mirrored`: the picture will be
+/// mirrored, so that all words are written from right to left and the layout is the mirror's.
 void annotate(cv::Mat& bgr, const HandTracker& tracker, const Camera& camera,
-              const TrackResult& result);
+              const TrackResult& result, bool mirrored = false, const std::string& missing = "");
+
+/// Writes lines of text into the picture's upper left corner.
+void draw_lines(cv::Mat& bgr, const std::vector<std::string>& lines);
 
 /// Its parts, alone.
 void draw_contour(cv::Mat& bgr, std::span<const Eigen::Vector2f> contour_px);

@@ -34,13 +34,24 @@ bool same_file(const std::string& a, const std::string& b) {
 
 CLI::Validator between(double low, double high) {
   std::ostringstream range;
-  range << "FLOAT in [" << low << " - " << high << "]";
+  range << low << " to " << high;
   const auto fault_of = [=, range = range.str()](std::string& text) {
     double value = 0;
     const bool good = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
-    return good ? std::string() : text + " is not a " + range;
+    return good ? std::string() : text + " is not a number from " + range;
   };
   return CLI::Validator(fault_of, range.str());
+}
+
+std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
+  if (option->get_type_size() == 0) return "";  // a flag
+  std::string type = option->get_type_name();   // "TEXT:{full,half}": what the check says is enough
+  if (const auto colon = type.rfind(':'); colon != std::string::npos) type.erase(0, colon + 1);
+  for (char& c : type) c = c == ',' ? '|' : c;
+  std::erase_if(type, [](char c) { return c == '{' || c == '}'; });
+  std::string text = type.find_first_not_of(' ') == std::string::npos ? "" : " " + type;
+  if (!option->get_default_str().empty()) text += " (" + option->get_default_str() + ")";
+  return text;
 }
 
 void require_distinct_files(const std::vector<std::string>& inputs,

@@ -36,6 +36,12 @@ Command add_learn_color(CLI::App& app);
 /// What an option's number may be; unlike CLI11's own check it does not take nan.
 CLI::Validator between(double low, double high);
 
+/// An option's line in the help: "--model-mm 1 to 10000 (90)", "--processing full|half (full)".
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_opts(const CLI::Option* option) const override;
+};
+
 /// Two options that contradict each other and the like: exit code 2.
 struct WrongUsage : std::runtime_error {
   using std::runtime_error::runtime_error;

@@ -20,7 +20,9 @@ int demo(const std::string& folder_path, const std::string& skin_file) {
   run.skin_file = skin_file;
   run.poses_out = folder.file("poses.csv");
   run.video_out = folder.file("annotated.mp4");
-  run.overlay = object_on_hand("teapot", 0.09);
+  ObjectOnHand teapot("teapot", 0.09);
+  run.overlay = [&](cv::Mat& bgr, std::int64_t, const HandTracker& tracker, const Camera& camera,
+                    const TrackResult& result) { teapot.draw(bgr, tracker, camera, result); };
 
   const Summary summary = track(run);
   std::cout << "the shipped clip: " << describe(summary) << "\n  annotated video  " << run.video_out

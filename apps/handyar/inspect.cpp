@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include <fstream>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "command.hpp"
+#include "event_log.hpp"
 #include "handyar/io/error.hpp"
-#include "handyar/io/pending_file.hpp"
 #include "handyar/render/inspection_view.hpp"
 #include "tracking_run.hpp"
 
@@ -20,36 +18,6 @@ constexpr const char* kExamples =
     "Examples:\n"
     "  handyar inspect 0 --scene scene.json --camera camera.yml --hand hand.json --show\n"
     "  handyar inspect desk.mp4 --scene scene.json --video out.mp4 --events events.jsonl";
-
-/// One line of JSON for everything that happens; the file takes its name on finish().
-class EventLog {
- public:
-  explicit EventLog(const std::string& path) : file_(path), stream_(file_.path()) { check(); }
-
-  void write(render::InspectionEvent event, std::int64_t frame, double time_s,
-             const std::string& object) {
-    const nlohmann::ordered_json line = {
-        {"event", render::name(event)}, {"frame", frame}, {"time_s", time_s}, {"object", object}};
-    // A name that is not UTF-8 is no reason to stop.
-    stream_ << line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-    stream_.flush();
-    check();
-  }
-
-  void finish() {
-    stream_.close();
-    check();
-    file_.commit();
-  }
-
- private:
-  void check() const {
-    if (!stream_) throw io::Error(file_.target(), "cannot be written");
-  }
-
-  io::PendingFile file_;
-  std::ofstream stream_;
-};
 
 int inspect(TrackingRun run, const std::string& scene_file, const std::string& events_file) {
   require_distinct_files({run.input, run.camera_file, run.hand_file, run.skin_file, scene_file},
@@ -70,7 +38,8 @@ int inspect(TrackingRun run, const std::string& scene_file, const std::string& e
     const auto hand = render::HandInView::of(tracker, result);
     const auto event = view.update(bgr, camera, result.time_s, hand);
     if (pictures) view.draw(bgr, camera, hand);
-    if (event && log) log->write(*event, frame, result.time_s, view.object().name);
+    if (event && log)
+      log->write(render::name(*event), frame, result.time_s, {{"object", view.object().name}});
   };
   Summary summary;
   try {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -28,6 +29,8 @@ constexpr const char* kNotes =
 constexpr double kMaxStep_s = 0.1;  // a frame stands for no longer than this
 constexpr double kEnough = 0.5;     // share of --seconds that a recording must at least give
 constexpr float kSmallestShare = 1e-4f;
+constexpr double kForEver = std::numeric_limits<double>::infinity();
+constexpr double kFoundAgain = 0.5;  // share of the time that learned colours must track it
 
 struct LearnRun {
   std::string input, out;
@@ -62,28 +65,27 @@ std::string seconds(double s) {
   return text;
 }
 
-int learn_color(const LearnRun& run) {
-  require_distinct_files({run.input}, {run.out});
-  const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
-  const io::SourceInfo& info = source->info();
-  io::require_writable(run.out);
-  std::optional<render::Window> window;
-  if (run.show) window.emplace(info.width_px, info.height_px, "handyar learn-color");
-  catch_interrupts();
-
+/// Tracks a hand until it has been for `wanted_s`, for `most_s` at most, and says how long it was.
+/// `known`: its colours, where they are known; `learn` gathers them.
+double track(io::FrameSource& source, std::optional<render::Window>& window, double wanted_s,
+             double most_s, const SkinColors& known, ColorCollector* learn) {
   // Colours need no pose: camera and hand only have to be about right.
+  const io::SourceInfo& info = source.info();
   const Camera camera = Camera::from_field_of_view(info.width_px, info.height_px);
-  HandTracker tracker(camera, average_adult_hand());
-  ColorCollector collector;
+  Config config;
+  config.skin.personal = known;
+  HandTracker tracker(camera, average_adult_hand(), config);
   io::Frame frame;
   cv::Mat picture;
-  double tracked_s = 0, before_s = 0;
-  while (tracked_s < run.seconds && interrupt() == 0 && source->read(frame)) {
+  double tracked_s = 0, before_s = 0, watched_s = 0;
+  while (tracked_s < wanted_s && watched_s < most_s && interrupt() == 0 && source.read(frame)) {
     const TrackResult result = tracker.process(frame.view(), frame.time_s);
     if (result.status != FrameStatus::ok) throw io::Error(info.name, describe(result.status));
+    const double step_s = std::clamp(frame.time_s - before_s, 0.0, kMaxStep_s);
+    watched_s += step_s;
     if (result.state == State::tracking) {
-      collector.add(tracker.learned_colors());
-      tracked_s += std::clamp(frame.time_s - before_s, 0.0, kMaxStep_s);
+      if (learn) learn->add(tracker.learned_colors());
+      tracked_s += step_s;
     }
     before_s = frame.time_s;
     if (!window) continue;
@@ -91,11 +93,34 @@ int learn_color(const LearnRun& run) {
     annotate(picture, tracker, camera, result);
     if (!window->show(picture, 0.001)) break;
   }
+  return tracked_s;
+}
+
+int learn_color(const LearnRun& run) {
+  require_distinct_files({run.input}, {run.out});
+  std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
+  const io::SourceInfo info = source->info();
+  io::require_writable(run.out);
+  std::optional<render::Window> window;
+  if (run.show) window.emplace(info.width_px, info.height_px, "handyar learn-color");
+  catch_interrupts();
+
+  ColorCollector collector;
+  const double tracked_s = track(*source, window, run.seconds, kForEver, {}, &collector);
   if (interrupt() != 0 && !info.live) return 128 + interrupt();
   if (tracked_s < kEnough * run.seconds)
-    throw io::Error(info.name, "an open hand was tracked for " + seconds(tracked_s) + ", " +
-                                   seconds(kEnough * run.seconds) + " are needed");
+    throw io::Error(info.name, "an open hand was tracked for " + seconds(tracked_s) +
+                                   ", at least half of the " + seconds(run.seconds) +
+                                   " of --seconds are needed");
   const SkinColors colors = collector.colors();
+  // Colours that do not find the hand they were learned from are of no use.
+  if (!info.live) source = io::open_input(run.input);
+  const double again_s =
+      track(*source, window, tracked_s, info.live ? 3 * tracked_s : kForEver, colors, nullptr);
+  if (again_s < kFoundAgain * tracked_s)
+    throw io::Error(info.name, "the colours learned from " + seconds(tracked_s) +
+                                   " of a tracked hand find it for " + seconds(again_s) +
+                                   " only: try another background or more light");
   io::write_skin(run.out, colors);
   std::cout << run.out << ": " << colors.entries.size() << " colours from " << seconds(tracked_s)
             << " of a tracked hand\n";

@@ -41,6 +41,7 @@ int run(int argc, char** argv) {
   CLI::App app{"A bare outstretched hand, used like a printed AR marker.", "handyar"};
   app.set_version_flag("--version", "handyar " HANDYAR_VERSION);
   app.require_subcommand(1);
+  app.formatter(std::make_shared<HelpFormatter>());  // the subcommands take it from here
   app.footer(kExamples);
   const Command commands[] = {
       add_demo(app),  add_track(app),   add_inspect(app),  add_calibrate(app),

@@ -1,14 +1,25 @@
 // SPDX-License-Identifier: MIT
 #include "object_on_hand.hpp"
 
-#include "handyar/render/hand_overlay.hpp"
+#include <algorithm>
 
 namespace handyar::cli {
 
-Overlay object_on_hand(const std::string& model, double size_m) {
-  const auto overlay = std::make_shared<render::HandOverlay>(render::find_model(model), size_m);
-  return [overlay](cv::Mat& bgr, std::int64_t, const HandTracker& tracker, const Camera& camera,
-                   const TrackResult& result) { overlay->draw(bgr, camera, tracker, result); };
+ObjectOnHand::ObjectOnHand(const std::string& model, double size_m)
+    : models_{model}, size_m_(size_m) {
+  for (const char* const other : {"teapot", "bunny", ""})
+    if (model != other) models_.push_back(other);
+  take(0);
+}
+
+void ObjectOnHand::next() { take((current_ + 1) % models_.size()); }
+
+void ObjectOnHand::take(std::size_t which) {
+  current_ = which;
+  const std::string& model = models_[which];
+  overlay_ = model.empty()
+                 ? nullptr
+                 : std::make_unique<render::HandOverlay>(render::find_model(model), size_m_);
 }
 
 }  // namespace handyar::cli

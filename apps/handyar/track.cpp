@@ -40,6 +40,17 @@ FrameSet debug_frames_of(const Choices& choices, const TrackingRun& run) {
   return *frames;
 }
 
+// With a window there may be one later even if there is none at first.
+void stand_on_hand(const Choices& choices, TrackingRun& run) {
+  require_distinct_files({choices.model}, {run.poses_out, run.video_out, run.events_out});
+  if (choices.model.empty() && !run.show) return;
+  const auto object = std::make_shared<ObjectOnHand>(choices.model, choices.model_mm / 1000);
+  run.next_object = [object] { object->next(); };
+  run.overlay = [object](cv::Mat& bgr, std::int64_t, const HandTracker& tracker,
+                         const Camera& camera,
+                         const TrackResult& result) { object->draw(bgr, tracker, camera, result); };
+}
+
 }  // namespace
 
 Command add_track(CLI::App& app) {
@@ -59,7 +70,13 @@ Command add_track(CLI::App& app) {
   options->add_option("--model-mm", choices->model_mm, "The object's longest side")
       ->check(between(1.0, 10000.0))
       ->capture_default_str();
-  options->add_flag("--show", run->show, "Show it in a window; q or Esc ends");
+  options
+      ->add_option("--events", run->events_out,
+                   "Write when the hand is found and lost (JSON lines)")
+      ->type_name("FILE");
+  options->add_flag("--show", run->show, "Show it in a window; ? there tells the keys, q ends");
+  options->add_flag("--mirror", run->mirrored,
+                    "Mirror what is shown, as one sees oneself; the poses stay as they are");
   options
       ->add_option("--debug", run->debug_folder,
                    "Write the stages from frame to pose, a picture (PNG) each")
@@ -91,10 +108,7 @@ Command add_track(CLI::App& app) {
             run->config.filter.enabled = !choices->no_filter;
             run->timings = !choices->no_timings;
             run->annotated = !choices->no_annotation;
-            if (!choices->model.empty()) {
-              require_distinct_files({choices->model}, {run->poses_out, run->video_out});
-              run->overlay = object_on_hand(choices->model, choices->model_mm / 1000);
-            }
+            stand_on_hand(*choices, *run);
             run->debug_frames = debug_frames_of(*choices, *run);
             const Summary summary = track(*run);
             std::ostream& to = run->poses_out == "/dev/stdout" ? std::cerr : std::cout;

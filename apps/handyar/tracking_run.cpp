@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "annotate.hpp"
 #include "command.hpp"
+#include "diagnosis.hpp"
+#include "event_log.hpp"
 #include "handyar/io/camera_file.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/frame_source.hpp"
@@ -15,7 +18,7 @@
 #include "handyar/io/pose_csv.hpp"
 #include "handyar/io/skin_file.hpp"
 #include "handyar/io/video_writer.hpp"
-#include "handyar/render/window.hpp"
+#include "viewer.hpp"
 
 namespace handyar::cli {
 namespace {
@@ -51,7 +54,8 @@ HandModel hand_of(const TrackingRun& run, Notes& notes) {
 struct Outputs {
   std::optional<io::PoseCsvWriter> poses;
   std::optional<io::VideoWriter> video;
-  std::optional<render::Window> window;
+  std::optional<EventLog> events;
+  std::optional<Viewer> viewer;
   std::optional<DebugPictures> debug;
 
   Outputs(const TrackingRun& run, const io::SourceInfo& input) {
@@ -59,13 +63,15 @@ struct Outputs {
     if (!run.video_out.empty()) {
       video.emplace(run.video_out, input.width_px, input.height_px, input.fps);
     }
+    if (!run.events_out.empty()) events.emplace(run.events_out);
     if (!run.debug_folder.empty()) debug.emplace(run.debug_folder);
-    if (run.show) window.emplace(input.width_px, input.height_px, "handyar");
+    if (run.show) viewer.emplace(input.width_px, input.height_px, run.annotated, run.mirrored);
   }
-  bool pictures() const { return video || window; }
+  bool pictures() const { return video || viewer; }
   void finish() {
     if (poses) poses->finish();
     if (video) video->finish();
+    if (events) events->finish();
   }
 };
 
@@ -84,15 +90,82 @@ void require_all_seen(const TrackingRun& run, const Summary& summary) {
                                  ", the last one is " + std::to_string(summary.last_frame));
 }
 
+// Found and lost, when the one or the other happens.
+class Changes {
+ public:
+  void tell(EventLog& log, std::int64_t frame, const TrackResult& result) {
+    const bool tracked = result.state == State::tracking;
+    if (tracked == tracked_) return;
+    tracked_ = tracked;
+    nlohmann::ordered_json more = nlohmann::ordered_json::object();
+    if (tracked && result.layout) more["layout"] = name(*result.layout);
+    log.write(tracked ? "found" : "lost", frame, result.time_s, more);
+  }
+
+ private:
+  bool tracked_ = false;
+};
+
+// What is missing, looked at anew every second: for who stands before the camera.
+class Hint {
+ public:
+  const std::string& update(const cv::Mat& bgr, const TrackResult& result,
+                            const std::string& hand_file) {
+    recent_.look(bgr, result);
+    if (result.time_s >= next_s_) {
+      next_s_ = result.time_s + 1;
+      text_ = recent_.missing(hand_file);
+      recent_ = {};
+    }
+    return text_;
+  }
+
+ private:
+  Diagnosis recent_;
+  std::string text_;
+  double next_s_ = 1;
+};
+
+// The annotated picture to all who want it; false when the person before it has ended the run.
+class Pictures {
+ public:
+  Pictures(const TrackingRun& run, Outputs& outputs) : run_(run), outputs_(outputs) {}
+
+  bool show(const io::Frame& frame, const HandTracker& tracker, const Camera& camera,
+            const TrackResult& result, double wait_s) {
+    frame.bgr.copyTo(picture_);
+    std::optional<Viewer>& viewer = outputs_.viewer;
+    const bool mirrored = viewer ? viewer->mirrored() : run_.mirrored;
+    const std::string& missing = hint_.update(frame.bgr, result, run_.hand_file);
+    if (viewer ? viewer->annotated() : run_.annotated)
+      annotate(picture_, tracker, camera, result, mirrored, missing);
+    if (run_.overlay) run_.overlay(picture_, frame.index, tracker, camera, result);
+    if (mirrored) cv::flip(picture_, picture_, 1);
+    if (outputs_.video) outputs_.video->write(picture_, frame.time_s);
+    if (viewer && !viewer->show(picture_, wait_s)) return false;
+    if (viewer && viewer->take_next_object() && run_.next_object) run_.next_object();
+    return true;
+  }
+
+ private:
+  const TrackingRun& run_;
+  Outputs& outputs_;
+  Hint hint_;
+  cv::Mat picture_;
+};
+
 void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& camera,
                HandTracker& tracker, Outputs& outputs, Summary& summary) {
   std::vector<double> times_ms;
   ProgressLine progress;
   io::Frame frame;
-  cv::Mat picture;
+  Changes changes;
+  Diagnosis diagnosis;
+  Pictures pictures(run, outputs);
   const double start_s = steady_now_s();
   const auto until_due_s = [&] {  // a recording is shown at its own pace
-    return source.info().live ? 0.0 : start_s + frame.time_s - steady_now_s();
+    if (!outputs.viewer || source.info().live) return 0.0;
+    return start_s + outputs.viewer->paused_s() + frame.time_s - steady_now_s();
   };
   while (interrupt() == 0 && source.read(frame)) {
     const bool debugged = outputs.debug && run.debug_frames.contains(frame.index);
@@ -109,20 +182,18 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
     if (outputs.poses) outputs.poses->write(frame.index, result);
     if (debugged)
       outputs.debug->write(frame.bgr, frame.index, tracker, run.config.fingertips, camera, result);
-    if (outputs.pictures() || run.overlay) {
-      frame.bgr.copyTo(picture);
-      if (run.annotated) annotate(picture, tracker, camera, result);
-      if (run.overlay) run.overlay(picture, frame.index, tracker, camera, result);
-      if (outputs.video) outputs.video->write(picture, frame.time_s);
-      if (outputs.window && !outputs.window->show(picture, until_due_s())) {
-        summary.ended_early = true;
-        break;
-      }
+    if (outputs.events) changes.tell(*outputs.events, frame.index, result);
+    if (summary.tracked == 0) diagnosis.look(frame.bgr, result);
+    if ((outputs.pictures() || run.overlay) &&
+        !pictures.show(frame, tracker, camera, result, until_due_s())) {
+      summary.ended_early = true;
+      break;
     }
     progress.show(summary.frames, source.info().frame_count,
                   " frames, " + std::to_string(summary.tracked) + " tracked");
   }
   summary.median_ms = median(times_ms);
+  if (summary.tracked == 0) summary.missing = diagnosis.missing(run.hand_file);
   summary.signal = interrupt();
   summary.ended_early |= summary.signal != 0;
 }
@@ -139,9 +210,14 @@ void add_tracker_files(CLI::App* options, TrackingRun& run) {
 
 Summary track(const TrackingRun& run) {
   require_distinct_files({run.input, run.camera_file, run.hand_file, run.skin_file},
-                         {run.poses_out, run.video_out});
+                         {run.poses_out, run.video_out, run.events_out});
   const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
   Notes notes;
+  if (const int by = source->info().reduced_by; by > 1) {
+    notes.push_back(source->info().name + " is too large, its sides are divided by " +
+                    std::to_string(by) + ": " + std::to_string(source->info().width_px) + "x" +
+                    std::to_string(source->info().height_px) + " pixels");
+  }
   const Camera camera = camera_of(run, source->info(), notes);
   const HandModel hand = hand_of(run, notes);
   Config config = run.config;
@@ -178,7 +254,8 @@ std::string describe(const Summary& summary) {
                             ", median %.2f ms a frame", *summary.median_ms);
   }
   return std::string(text, static_cast<std::size_t>(length)) +
-         (summary.signal != 0 && !summary.live ? " (interrupted)" : "");
+         (summary.signal != 0 && !summary.live ? " (interrupted)" : "") +
+         (summary.missing.empty() ? "" : "\n" + summary.missing);
 }
 
 int exit_code(const Summary& summary) noexcept {

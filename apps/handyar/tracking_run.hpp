@@ -21,14 +21,16 @@ using Overlay = std::function<void(cv::Mat& bgr, std::int64_t frame, const HandT
 struct TrackingRun {
   std::string input;
   std::string camera_file, hand_file, skin_file;
-  std::string poses_out, video_out;
+  std::string poses_out, video_out, events_out;
   std::string debug_folder;  ///< for the stages of `debug_frames`
   FrameSet debug_frames;
   bool show = false;
   bool timings = true;
   Config config;
   Overlay overlay;
-  bool annotated = true;  ///< contour, fingertips and axes on the pictures
+  std::function<void()> next_object;  ///< what the key for another object does
+  bool annotated = true;              ///< contour, fingertips and axes on the pictures
+  bool mirrored = false;              ///< the pictures, as one sees oneself
 };
 
 /// The options --camera, --hand and --skin of a subcommand that tracks.
@@ -38,6 +40,7 @@ struct Summary {
   std::int64_t frames = 0, tracked = 0;
   std::int64_t last_frame = 0;      ///< its number
   std::optional<double> median_ms;  ///< of the tracker, a frame; empty without timings
+  std::string missing;              ///< why nothing was tracked, where that can be told
   int signal = 0;                   ///< what ended the run early, or 0
   bool live = false;
   bool ended_early = false;  ///< by a signal or at the window
@@ -47,7 +50,7 @@ struct Summary {
 /// kept in the outputs.
 Summary track(const TrackingRun& run);
 
-/// "300 frames, 97.3 % tracked, median 1.42 ms a frame"
+/// "300 frames, 97.3 % tracked, median 1.42 ms a frame"; a second line when nothing was tracked.
 std::string describe(const Summary& summary);
 
 /// The exit code: 128 + signal for a file that was not finished; the end of a live camera is always
