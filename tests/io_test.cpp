@@ -23,6 +23,7 @@
 #include "handyar/io/latest_frame.hpp"
 #include "handyar/io/pending_file.hpp"
 #include "handyar/io/pose_csv.hpp"
+#include "handyar/io/recording.hpp"
 #include "handyar/io/sample.hpp"
 #include "handyar/io/skin_file.hpp"
 #include "handyar/io/video_writer.hpp"
@@ -578,6 +579,39 @@ INSTANTIATE_TEST_SUITE_P(Containers, VideoTest, testing::Values(".mp4", ".mkv", 
 
 // What ffmpeg's own turning makes of the same files; each was made from the same upright-looking
 // stream by setting the container's rotation.
+TEST_F(IoTest, RecordingsAreReplayedAsTheyWere) {
+  const std::vector<double> times_s = {0, 0.033, 0.071, 0.1, 1.25, 1.251};
+  std::vector<cv::Mat> pictures;
+  cv::RNG random(7);
+  Recording recording(path("r.mkv"), 161, 121);
+  for (const double time_s : times_s) {
+    pictures.emplace_back(121, 161, CV_8UC3);
+    random.fill(pictures.back(), cv::RNG::UNIFORM, 0, 256);
+    recording.write(pictures.back(), time_s);
+  }
+  recording.finish();
+  EXPECT_EQ(files(), 1u);
+  const auto source = open_input(path("r.mkv"));
+  Frame frame;
+  for (std::size_t i = 0; i < times_s.size(); ++i) {
+    ASSERT_TRUE(source->read(frame));
+    EXPECT_EQ(cv::norm(frame.bgr, pictures[i], cv::NORM_INF), 0) << i;
+    EXPECT_NEAR(frame.time_s, times_s[i], 1e-6) << i;
+  }
+  EXPECT_FALSE(source->read(frame));
+
+  EXPECT_EQ(fault_of([&] { Recording(path("r.mp4"), 160, 120); }),
+            path("r.mp4") + ": its name must end in .mkv");
+  const std::string fault = fault_of([&] {
+    const FullDisk disk(50000);
+    Recording full(path("full.mkv"), 161, 121);
+    for (std::size_t i = 0; i < times_s.size(); ++i) full.write(pictures[i], times_s[i]);
+    full.finish();
+  });
+  EXPECT_EQ(fault.rfind(path("full.mkv") + ": cannot be written", 0), 0u) << fault;
+  EXPECT_EQ(files(), 1u);
+}
+
 TEST_F(IoTest, RotationTagsAreHonoured) {
   const struct {
     const char *file, *colors;

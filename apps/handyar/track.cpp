@@ -42,7 +42,8 @@ FrameSet debug_frames_of(const Choices& choices, const TrackingRun& run) {
 
 // With a window there may be one later even if there is none at first.
 void stand_on_hand(const Choices& choices, TrackingRun& run) {
-  require_distinct_files({choices.model}, {run.poses_out, run.video_out, run.events_out});
+  require_distinct_files({choices.model},
+                         {run.poses_out, run.video_out, run.events_out, run.record_out});
   if (choices.model.empty() && !run.show) return;
   const auto object = std::make_shared<ObjectOnHand>(choices.model, choices.model_mm / 1000);
   run.next_object = [object] { object->next(); };
@@ -73,6 +74,10 @@ Command add_track(CLI::App& app) {
   options
       ->add_option("--events", run->events_out,
                    "Write when the hand is found and lost (JSON lines)")
+      ->type_name("FILE");
+  options
+      ->add_option("--record", run->record_out,
+                   "Record the input without loss, with its times, to replay it (.mkv)")
       ->type_name("FILE");
   options->add_flag("--show", run->show, "Show it in a window; ? there tells the keys, q ends");
   options->add_flag("--mirror", run->mirrored,

@@ -16,6 +16,7 @@
 #include "handyar/io/frame_source.hpp"
 #include "handyar/io/hand_file.hpp"
 #include "handyar/io/pose_csv.hpp"
+#include "handyar/io/recording.hpp"
 #include "handyar/io/skin_file.hpp"
 #include "handyar/io/video_writer.hpp"
 #include "viewer.hpp"
@@ -55,6 +56,7 @@ struct Outputs {
   std::optional<io::PoseCsvWriter> poses;
   std::optional<io::VideoWriter> video;
   std::optional<EventLog> events;
+  std::optional<io::Recording> recording;
   std::optional<Viewer> viewer;
   std::optional<DebugPictures> debug;
 
@@ -64,6 +66,7 @@ struct Outputs {
       video.emplace(run.video_out, input.width_px, input.height_px, input.fps);
     }
     if (!run.events_out.empty()) events.emplace(run.events_out);
+    if (!run.record_out.empty()) recording.emplace(run.record_out, input.width_px, input.height_px);
     if (!run.debug_folder.empty()) debug.emplace(run.debug_folder);
     if (run.show) viewer.emplace(input.width_px, input.height_px, run.annotated, run.mirrored);
   }
@@ -72,6 +75,7 @@ struct Outputs {
     if (poses) poses->finish();
     if (video) video->finish();
     if (events) events->finish();
+    if (recording) recording->finish();
   }
 };
 
@@ -182,6 +186,7 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
     if (outputs.poses) outputs.poses->write(frame.index, result);
     if (debugged)
       outputs.debug->write(frame.bgr, frame.index, tracker, run.config.fingertips, camera, result);
+    if (outputs.recording) outputs.recording->write(frame.bgr, frame.time_s);
     if (outputs.events) changes.tell(*outputs.events, frame.index, result);
     if (summary.tracked == 0) diagnosis.look(frame.bgr, result);
     if ((outputs.pictures() || run.overlay) &&
@@ -210,7 +215,7 @@ void add_tracker_files(CLI::App* options, TrackingRun& run) {
 
 Summary track(const TrackingRun& run) {
   require_distinct_files({run.input, run.camera_file, run.hand_file, run.skin_file},
-                         {run.poses_out, run.video_out, run.events_out});
+                         {run.poses_out, run.video_out, run.events_out, run.record_out});
   const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
   Notes notes;
   if (const int by = source->info().reduced_by; by > 1) {

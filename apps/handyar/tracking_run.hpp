@@ -21,7 +21,7 @@ using Overlay = std::function<void(cv::Mat& bgr, std::int64_t frame, const HandT
 struct TrackingRun {
   std::string input;
   std::string camera_file, hand_file, skin_file;
-  std::string poses_out, video_out, events_out;
+  std::string poses_out, video_out, events_out, record_out;
   std::string debug_folder;  ///< for the stages of `debug_frames`
   FrameSet debug_frames;
   bool show = false;

@@ -5,12 +5,10 @@
 #include <limits>
 
 #include "handyar/io/error.hpp"
+#include "libav.hpp"
 
 extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
 #include <libavutil/display.h>
-#include <libswscale/swscale.h>
 }
 
 namespace handyar::io {
@@ -18,31 +16,26 @@ namespace {
 
 constexpr int kMostFaults = 1000;  // in a row, of reading: what comes then is no longer the video
 
-struct Closer {
+struct FormatCloser {
   void operator()(AVFormatContext* format) const { avformat_close_input(&format); }
-  void operator()(AVCodecContext* codec) const { avcodec_free_context(&codec); }
-  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
-  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
-  void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
 };
-template <class T>
-using Handle = std::unique_ptr<T, Closer>;
+using Format = std::unique_ptr<AVFormatContext, FormatCloser>;
 
-Handle<AVFormatContext> opened(const std::string& path) {
+Format opened(const std::string& path) {
   AVFormatContext* format = nullptr;
   const std::string file = "file:" + path;  // a colon in its name makes no protocol
   if (avformat_open_input(&format, file.c_str(), nullptr, nullptr) < 0) return nullptr;
-  return Handle<AVFormatContext>(format);
+  return Format(format);
 }
 
 }  // namespace
 
 struct Decoder::Impl {
-  Handle<AVFormatContext> format;
-  Handle<AVCodecContext> codec;
-  Handle<AVPacket> packet{av_packet_alloc()};
-  Handle<AVFrame> frame{av_frame_alloc()};
-  Handle<SwsContext> scaler;
+  Format format;
+  Libav<AVCodecContext> codec;
+  Libav<AVPacket> packet{av_packet_alloc()};
+  Libav<AVFrame> frame{av_frame_alloc()};
+  Libav<SwsContext> scaler;
   AVStream* stream = nullptr;
   cv::Mat wide;
   bool ended = false;
@@ -156,10 +149,10 @@ int Decoder::clockwise_deg() const {
 }
 
 std::int64_t count_packets(const std::string& path) {
-  const Handle<AVFormatContext> format = opened(path);
+  const Format format = opened(path);
   if (!format || avformat_find_stream_info(format.get(), nullptr) < 0) return 0;
   const int best = av_find_best_stream(format.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-  const Handle<AVPacket> packet(av_packet_alloc());
+  const Libav<AVPacket> packet(av_packet_alloc());
   std::int64_t count = 0;
   while (av_read_frame(format.get(), packet.get()) >= 0) {
     count += packet->stream_index == best;
