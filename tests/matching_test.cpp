@@ -43,7 +43,7 @@ TEST(Matching, EveryFingerInEitherLayoutWhereverTheContourBegins) {
         ASSERT_GE(a[f], 0);
         EXPECT_EQ(candidates[a[f]], now[f]) << name(layout) << " " << kFingerNames[f];
       }
-      std::ranges::rotate(candidates, candidates.begin() + 1);
+      std::rotate(candidates.begin(), candidates.begin() + 1, candidates.end());
     }
   }
 }
