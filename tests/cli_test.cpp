@@ -80,8 +80,9 @@ class CliTest : public testing::Test {
 
   Outcome run(const std::string& arguments, const std::string& environment = "") const {
     const std::string out = (root_ / "stdout").string(), err = (root_ / "stderr").string();
-    const int status = std::system((environment + " '" HANDYAR_PROGRAM "' " + arguments + " >" +
-                                    out + " 2>" + err + " </dev/null")
+    const std::string config = "XDG_CONFIG_HOME='" + (root_ / "config").string() + "' ";
+    const int status = std::system((config + environment + " '" HANDYAR_PROGRAM "' " + arguments +
+                                    " >" + out + " 2>" + err + " </dev/null")
                                        .c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out),
             contents(err)};
@@ -388,6 +389,41 @@ TEST_F(CliTest, MirroredPicturesShowTheSamePosesTheOtherWayRound) {
   cv::flip(b.bgr, turned, 1);
   EXPECT_LT(cv::norm(a.bgr, turned, cv::NORM_L1) / double(3 * a.bgr.total()), 3);
   EXPECT_GT(cv::norm(a.bgr, b.bgr, cv::NORM_L1) / double(3 * a.bgr.total()), 6);
+}
+
+TEST_F(CliTest, SetupRemembersTheHandForWhenNoneIsGiven) {
+  EXPECT_EQ(run("setup").out, "camera       none\ncalibration  none\nhand         none\n");
+  const std::string files =
+      " --camera " + kData + "/compare/camera.yml --hand " + kData + "/compare/hand.json";
+  const Outcome set = run("setup" + files);
+  EXPECT_EQ(set.code, 0) << set.err;
+  const std::string hand = (root_ / "config/handyar/hand.json").string();
+  EXPECT_NE(set.out.find("hand         " + hand), std::string::npos) << set.out;
+
+  const Outcome r = run("track " + kVideo + " --no-timings --poses " + out("remembered.csv"));
+  EXPECT_EQ(r.code, 0);
+  EXPECT_NE(r.err.find("no --hand: " + hand + " is taken"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("60 degrees"), std::string::npos) << "the camera is not that of a file";
+  run("track " + kVideo + " --no-timings --hand " + kData + "/compare/hand.json --poses " +
+      out("given.csv"));
+  EXPECT_EQ(contents(out("remembered.csv")), contents(out("given.csv")));
+  EXPECT_EQ(run("track " + kVideo + " --hand average").err.find("--hand"), std::string::npos);
+
+  EXPECT_EQ(run("setup --hand " + in("no.json")).code, 1);
+  EXPECT_EQ(run("setup " + kVideo).code, 2) << "a file is no camera";
+  EXPECT_EQ(run("setup --forget").out, "camera       none\ncalibration  none\nhand         none\n");
+  EXPECT_FALSE(fs::exists(root_ / "config/handyar"));
+}
+
+TEST_F(CliTest, CameraSettingsAreForCameras) {
+  for (const char* option : {" --camera-size 1280x720", " --camera-fps 60", " --camera-lock"}) {
+    const Outcome r = run("track " + kVideo + option);
+    EXPECT_EQ(r.code, 1) << option;
+    EXPECT_EQ(lines(r.err), 1) << r.err;
+    EXPECT_NE(r.err.find("is no camera"), std::string::npos) << r.err;
+  }
+  for (const char* size : {"1280", "1280x", "x720", "1280x720p", "-1x2"})
+    EXPECT_EQ(run("track " + kVideo + " --camera-size " + size).code, 2) << size;
 }
 
 TEST_F(CliTest, DemoMakesVideoAndPoses) {

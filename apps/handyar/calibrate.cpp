@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "calibrate.hpp"
+
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -31,17 +33,6 @@ constexpr const char* kNotes =
     "hand.json\n"
     "  handyar calibrate hand.mp4 --camera camera.yml --self --span-mm 190 --hand-out hand.json";
 
-struct CalibrateRun {
-  std::string input, camera_file, skin_file, camera_out, hand_out, picture_out;
-  std::string grid;
-  double square_mm = 0, thickness_mm = 5;
-  std::string method = "triangulation";
-  bool self = false, show = false;
-  double span_mm = 0, hand_length_mm = 0;  // 0: not measured
-
-  bool wants_hand() const { return !hand_out.empty() || !picture_out.empty(); }
-};
-
 Board board_of(const CalibrateRun& run) {
   if (run.grid.empty() || run.square_mm <= 0)
     throw WrongUsage("--board and --square-mm are needed (or --self, without a board)");
@@ -52,7 +43,8 @@ Board board_of(const CalibrateRun& run) {
 
 void check_usage(const CalibrateRun& run) {
   if (run.self) {
-    if (run.camera_file.empty()) throw WrongUsage("--self needs a calibrated --camera");
+    if (run.camera_file.empty() && !run.assume_camera)
+      throw WrongUsage("--self needs a calibrated --camera");
     if (!run.grid.empty()) throw WrongUsage("--self takes no --board");
     if (run.span_mm > 0 && run.hand_length_mm > 0)
       throw WrongUsage("--span-mm and --hand-length-mm: one of them is enough");
@@ -202,6 +194,8 @@ int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Cam
   return kDone;
 }
 
+}  // namespace
+
 int calibrate(const CalibrateRun& run) {
   check_usage(run);
   const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
@@ -212,6 +206,8 @@ int calibrate(const CalibrateRun& run) {
   if (!run.camera_file.empty())
     camera = io::camera_for_size(io::read_camera(run.camera_file), info.width_px, info.height_px,
                                  run.camera_file);
+  else if (run.assume_camera)
+    camera = Camera::from_field_of_view(info.width_px, info.height_px);
   const SkinColors skin = run.skin_file.empty() ? SkinColors{} : io::read_skin(run.skin_file);
   try {
     return run.self ? calibrate_itself(run, *source, *camera, skin)
@@ -220,8 +216,6 @@ int calibrate(const CalibrateRun& run) {
     throw io::Error(info.name, e.what());
   }
 }
-
-}  // namespace
 
 Command add_calibrate(CLI::App& app) {
   CLI::App* options =

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include <cstdio>
 #include <iostream>
 #include <map>
 #include <memory>
 
 #include "command.hpp"
 #include "object_on_hand.hpp"
+#include "remembered.hpp"
 #include "tracking_run.hpp"
 
 namespace handyar::cli {
@@ -28,7 +30,7 @@ const std::map<std::string, PoseMethod> kPoseMethods = {
 struct Choices {
   std::string processing = "full", fingertips = "ellipse", pose = "outline";
   bool no_filter = false, no_timings = false, no_annotation = false;
-  std::string model, debug_frames;
+  std::string model, debug_frames, camera_size;
   double model_mm = 90;
 };
 
@@ -38,6 +40,16 @@ FrameSet debug_frames_of(const Choices& choices, const TrackingRun& run) {
   const auto frames = parse_frames(choices.debug_frames);
   if (!frames) throw WrongUsage("--debug-frames " + choices.debug_frames + " is not like 10,50-60");
   return *frames;
+}
+
+void ask_camera(const Choices& choices, TrackingRun& run) {
+  if (choices.camera_size.empty()) return;
+  io::CameraSettings& settings = run.camera_settings;
+  int read = 0;
+  const char* const text = choices.camera_size.c_str();
+  if (std::sscanf(text, "%5dx%5d%n", &settings.width_px, &settings.height_px, &read) != 2 ||
+      text[read] != '\0' || settings.width_px < 1 || settings.height_px < 1)
+    throw WrongUsage("--camera-size " + choices.camera_size + " is not like 1280x720");
 }
 
 // With a window there may be one later even if there is none at first.
@@ -58,8 +70,16 @@ Command add_track(CLI::App& app) {
   CLI::App* options = app.add_subcommand("track", "Track a hand in a video, pictures or a camera");
   const auto run = std::make_shared<TrackingRun>();
   const auto choices = std::make_shared<Choices>();
-  options->add_option("INPUT", run->input, "What to track the hand in")->required()->type_name(" ");
+  options->add_option("INPUT", run->input, "What to track the hand in; else the remembered camera")
+      ->type_name(" ");
   add_tracker_files(options, *run);
+  options
+      ->add_option("--camera-size", choices->camera_size, "Ask a camera for pictures like 1280x720")
+      ->type_name("SIZE");
+  options->add_option("--camera-fps", run->camera_settings.fps, "Ask a camera for so many a second")
+      ->check(between(1, 1000));
+  options->add_flag("--camera-lock", run->camera_settings.lock,
+                    "Keep exposure, white balance and focus after the first second");
   options->add_option("--poses", run->poses_out, "Write one row per frame (CSV)")
       ->type_name("FILE");
   options->add_option("--video", run->video_out, "Write the annotated video (.mp4, .mkv, .avi)")
@@ -113,6 +133,10 @@ Command add_track(CLI::App& app) {
             run->config.filter.enabled = !choices->no_filter;
             run->timings = !choices->no_timings;
             run->annotated = !choices->no_annotation;
+            if (run->input.empty()) run->input = remembered().input;
+            if (run->input.empty())
+              throw WrongUsage("INPUT is required, handyar setup remembers one");
+            ask_camera(*choices, *run);
             stand_on_hand(*choices, *run);
             run->debug_frames = debug_frames_of(*choices, *run);
             const Summary summary = track(*run);

@@ -19,6 +19,7 @@
 #include "handyar/io/recording.hpp"
 #include "handyar/io/skin_file.hpp"
 #include "handyar/io/video_writer.hpp"
+#include "remembered.hpp"
 #include "viewer.hpp"
 
 namespace handyar::cli {
@@ -27,25 +28,37 @@ namespace {
 // What is taken for granted is told once everything could be opened: a fault is then the one line.
 using Notes = std::vector<std::string>;
 
+// A camera that was remembered is the one in use, not the one that made some file.
+std::string camera_file_of(const TrackingRun& run, const io::SourceInfo& input, Notes& notes) {
+  if (!run.camera_file.empty() || !input.live) return run.camera_file;
+  const std::string file = remembered().camera_file;
+  if (!file.empty()) notes.push_back("no --camera: " + file + " is taken, from handyar setup");
+  return file;
+}
+
 Camera camera_of(const TrackingRun& run, const io::SourceInfo& input, Notes& notes) {
-  if (run.camera_file.empty()) {
+  const std::string file = camera_file_of(run, input, notes);
+  if (file.empty()) {
     notes.push_back("no --camera: a field of view of 60 degrees is assumed");
     return Camera::from_field_of_view(input.width_px, input.height_px);
   }
-  const Camera camera = io::read_camera(run.camera_file);
+  const Camera camera = io::read_camera(file);
   if (camera.width_px == input.width_px && camera.height_px == input.height_px) return camera;
-  const Camera scaled =
-      io::camera_for_size(camera, input.width_px, input.height_px, run.camera_file);
+  const Camera scaled = io::camera_for_size(camera, input.width_px, input.height_px, file);
   const auto size = [](const auto& of) {
     return std::to_string(of.width_px) + "x" + std::to_string(of.height_px);
   };
-  notes.push_back(run.camera_file + " is scaled from " + size(camera) + " to " + size(input) +
-                  " pixels");
+  notes.push_back(file + " is scaled from " + size(camera) + " to " + size(input) + " pixels");
   return scaled;
 }
 
 HandModel hand_of(const TrackingRun& run, Notes& notes) {
+  if (run.hand_file == "average") return average_adult_hand();
   if (!run.hand_file.empty()) return io::read_hand(run.hand_file);
+  if (const std::string file = remembered().hand_file; !file.empty()) {
+    notes.push_back("no --hand: " + file + " is taken, from handyar setup");
+    return io::read_hand(file);
+  }
   notes.push_back("no --hand: the average adult hand is assumed, and with it the scale");
   return average_adult_hand();
 }
@@ -208,7 +221,8 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
 void add_tracker_files(CLI::App* options, TrackingRun& run) {
   options->add_option("--camera", run.camera_file, "Camera file (YAML); else 60 degrees assumed")
       ->type_name("FILE");
-  options->add_option("--hand", run.hand_file, "Hand file (JSON); else the average adult hand")
+  options
+      ->add_option("--hand", run.hand_file, "Hand file (JSON), or average, the average adult hand")
       ->type_name("FILE");
   options->add_option("--skin", run.skin_file, kSkinHelp)->type_name("FILE");
 }
@@ -216,7 +230,7 @@ void add_tracker_files(CLI::App* options, TrackingRun& run) {
 Summary track(const TrackingRun& run) {
   require_distinct_files({run.input, run.camera_file, run.hand_file, run.skin_file},
                          {run.poses_out, run.video_out, run.events_out, run.record_out});
-  const std::unique_ptr<io::FrameSource> source = io::open_input(run.input);
+  const std::unique_ptr<io::FrameSource> source = io::open_input(run.input, run.camera_settings);
   Notes notes;
   if (const int by = source->info().reduced_by; by > 1) {
     notes.push_back(source->info().name + " is too large, its sides are divided by " +

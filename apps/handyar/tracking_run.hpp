@@ -8,6 +8,7 @@
 
 #include "command.hpp"
 #include "debug_pictures.hpp"
+#include "handyar/io/frame_source.hpp"
 #include "handyar/tracker.hpp"
 
 namespace handyar::cli {
@@ -20,6 +21,7 @@ using Overlay = std::function<void(cv::Mat& bgr, std::int64_t frame, const HandT
 /// One run of the tracker over an input; an empty name: not wanted.
 struct TrackingRun {
   std::string input;
+  io::CameraSettings camera_settings;
   std::string camera_file, hand_file, skin_file;
   std::string poses_out, video_out, events_out, record_out;
   std::string debug_folder;  ///< for the stages of `debug_frames`

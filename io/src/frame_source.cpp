@@ -95,15 +95,19 @@ void silence_libraries() {
   }();
 }
 
-std::unique_ptr<FrameSource> open_input(const std::string& input) {
+std::unique_ptr<FrameSource> open_input(const std::string& input, const CameraSettings& settings) {
   silence_libraries();
   if (input.empty()) throw Error("input", "its name is empty");
+  const auto require_none = [&] {
+    if (settings.any()) throw Error(input, "is no camera: size, rate and lock are for one");
+  };
+  if (input == "sample") require_none();
   if (input == "sample") return open_video(data_file("sample/video.mp4"));
   if (input.size() <= 3 && std::all_of(input.begin(), input.end(),
                                        [](unsigned char c) { return std::isdigit(c) != 0; })) {
-    return open_camera("/dev/video" + std::to_string(std::stoi(input)));
+    return open_camera("/dev/video" + std::to_string(std::stoi(input)), settings);
   }
-  if (input.starts_with("/dev/video")) return open_camera(input);
+  if (input.starts_with("/dev/video")) return open_camera(input, settings);
 
   std::error_code ignored;
   const fs::file_status status = fs::status(input, ignored);
@@ -112,16 +116,19 @@ std::unique_ptr<FrameSource> open_input(const std::string& input) {
                            (fs::path(input) / "%04d.png").string());
   }
   if (fs::is_fifo(status)) throw Error(input, "is a pipe: a video or picture must be a file");
-  if (fs::is_character_file(status)) return open_camera(input);
+  if (fs::is_character_file(status)) return open_camera(input, settings);
   if (fs::exists(status)) {
+    require_none();
     require_readable(input);
     if (fs::is_regular_file(status) && fs::file_size(input, ignored) == 0) {
       throw Error(input, "is empty");
     }
     return is_picture(input) ? open_pictures(input) : open_video(input);
   }
+  if (is_picture_pattern(input)) require_none();
   if (is_picture_pattern(input)) return open_pictures(input);
-  if (const std::string device = camera_named(input); !device.empty()) return open_camera(device);
+  if (const std::string device = camera_named(input); !device.empty())
+    return open_camera(device, settings);
   throw Error(input, "no such file, and no camera has that name");
 }
 

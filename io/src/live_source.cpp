@@ -44,7 +44,7 @@ class LiveClock {
 
 class LiveSource final : public FrameSource {
  public:
-  explicit LiveSource(const std::string& device) {
+  LiveSource(const std::string& device, const CameraSettings& settings) : settings_(settings) {
     info_.name = device;
     info_.live = true;
     if (::access(device.c_str(), R_OK | W_OK) != 0) {
@@ -56,6 +56,7 @@ class LiveSource final : public FrameSource {
     } catch (const cv::Exception&) {
     }
     if (!capture_.isOpened()) throw Error(device, "is not a camera, or another program uses it");
+    ask();
     const double fps = capture_.get(cv::CAP_PROP_FPS);
     if (std::isfinite(fps) && fps >= 1 && fps <= 1000) info_.fps = fps;
     Frame first;
@@ -63,6 +64,7 @@ class LiveSource final : public FrameSource {
     require_usable(first, device);
     info_.width_px = first.bgr.cols;
     info_.height_px = first.bgr.rows;
+    require_asked_size();
     latest_ = std::make_unique<LatestFrame>([this](Frame& frame) { return grab(frame); });
   }
   ~LiveSource() override { latest_.reset(); }  // its thread uses the capture
@@ -76,6 +78,37 @@ class LiveSource final : public FrameSource {
   }
 
  private:
+  void ask() {
+    if (settings_.width_px > 0) {
+      // Large pictures come fast enough only when the camera compresses them.
+      if (settings_.width_px > 640)
+        capture_.set(cv::CAP_PROP_FOURCC, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'));
+      capture_.set(cv::CAP_PROP_FRAME_WIDTH, settings_.width_px);
+      capture_.set(cv::CAP_PROP_FRAME_HEIGHT, settings_.height_px);
+    }
+    if (settings_.fps > 0) capture_.set(cv::CAP_PROP_FPS, settings_.fps);
+  }
+
+  void require_asked_size() const {
+    if (settings_.width_px == 0 ||
+        (info_.width_px == settings_.width_px && info_.height_px == settings_.height_px))
+      return;
+    throw Error(info_.name, "gives no pictures of " + std::to_string(settings_.width_px) + "x" +
+                                std::to_string(settings_.height_px) + ", but of " +
+                                std::to_string(info_.width_px) + "x" +
+                                std::to_string(info_.height_px) + " pixels");
+  }
+
+  // By the second second the camera has adapted itself to the light.
+  void lock_when_settled(double time_s) {
+    constexpr double kSettled_s = 1, kManual = 1;  // of V4L2's exposure modes
+    if (!settings_.lock || time_s < kSettled_s) return;
+    settings_.lock = false;
+    capture_.set(cv::CAP_PROP_AUTO_EXPOSURE, kManual);
+    capture_.set(cv::CAP_PROP_AUTO_WB, 0);
+    capture_.set(cv::CAP_PROP_AUTOFOCUS, 0);
+  }
+
   bool grab(Frame& frame) {
     try {
       if (!capture_.read(frame.bgr) || frame.bgr.empty()) return false;
@@ -83,9 +116,11 @@ class LiveSource final : public FrameSource {
       return false;
     }
     frame.time_s = clock_.next(capture_.get(cv::CAP_PROP_POS_MSEC) / 1000.0, steady_s());
+    lock_when_settled(frame.time_s);
     return true;
   }
 
+  CameraSettings settings_;
   cv::VideoCapture capture_;
   LiveClock clock_;
   SourceInfo info_;
@@ -94,8 +129,9 @@ class LiveSource final : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_camera(const std::string& device) {
-  return std::make_unique<LiveSource>(device);
+std::unique_ptr<FrameSource> open_camera(const std::string& device,
+                                         const CameraSettings& settings) {
+  return std::make_unique<LiveSource>(device, settings);
 }
 
 }  // namespace handyar::io

@@ -12,7 +12,7 @@ namespace handyar::io {
 std::unique_ptr<FrameSource> open_video(const std::string& path);
 /// `pattern` is a picture's path, or holds one %d or %0Nd.
 std::unique_ptr<FrameSource> open_pictures(const std::string& pattern);
-std::unique_ptr<FrameSource> open_camera(const std::string& device);
+std::unique_ptr<FrameSource> open_camera(const std::string& device, const CameraSettings& settings);
 
 bool is_picture(const std::string& path);
 /// Whether the file name holds a %d or %0Nd.

@@ -30,6 +30,16 @@ struct SourceInfo {
   bool live = false;
 };
 
+/// What a live camera is asked for; zero: whatever it gives.
+struct CameraSettings {
+  int width_px = 0, height_px = 0;
+  double fps = 0;
+  /// Exposure, white balance and focus stay as they are after the first second.
+  bool lock = false;
+
+  bool any() const { return width_px > 0 || fps > 0 || lock; }
+};
+
 /// Frames one after the other, all of one size that HandTracker takes.
 class FrameSource {
  public:
@@ -45,6 +55,8 @@ class FrameSource {
 /// ("frames/%04d.png"), a camera ("0", "/dev/video0", or its name or a part of it), or "sample",
 /// the shipped clip. Throws Error. The rotation that phones note in their videos is applied.
 /// A live camera gives its newest frame; what came in between is left out.
-std::unique_ptr<FrameSource> open_input(const std::string& input);
+/// `settings` are for a live camera; with any other input they are an Error.
+std::unique_ptr<FrameSource> open_input(const std::string& input,
+                                        const CameraSettings& settings = {});
 
 }  // namespace handyar::io
