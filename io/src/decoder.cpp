@@ -52,7 +52,7 @@ struct Decoder::Impl {
     stream = format->streams[best];
     codec.reset(avcodec_alloc_context3(decoder));
     if (!codec || avcodec_parameters_to_context(codec.get(), stream->codecpar) < 0) fail();
-    codec->thread_count = 0;  // as many as there are cores
+    codec->thread_count = 1;  // frames decoded side by side hide their faults, now and then
     if (avcodec_open2(codec.get(), decoder, nullptr) < 0) fail();
   }
 
