@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The pose stage alone: fingertips from anywhere, here projected from a known pose and disturbed,
+// The pose from fingertips alone, as the paper has it: fingertips from anywhere, here projected from a known pose and disturbed,
 // give T_camera_hand with a covariance. Compares what it states with what it is.
 #include <Eigen/Geometry>
 #include <cmath>
@@ -7,12 +7,11 @@
 #include <numbers>
 #include <random>
 
-#include "handyar/pose.hpp"
+#include "handyar/paper/tip_pose.hpp"
 
 int main() {
   const auto camera = handyar::Camera::from_field_of_view(640, 480);
-  handyar::HandModel hand = handyar::average_adult_hand();
-  hand.tips_sigma_m.setConstant(0.001);  // as sure as of a measured one
+  const handyar::HandModel hand = handyar::average_adult_hand();
 
   // The hand 0.45 m before the camera, fingers up, tilted by 40 degrees.
   Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
@@ -23,14 +22,14 @@ int main() {
   const double sigma_px = 0.5;
   std::mt19937 generator(1);
   std::normal_distribution<double> noise_px(0.0, sigma_px);
-  handyar::HandObservation observation;
+  handyar::paper::SeenTips tips;
   for (int finger = 0; finger < handyar::kFingerCount; ++finger) {
     const Eigen::Vector3d tip_camera_m = T_camera_hand * hand.tips_m.col(finger);
     const Eigen::Vector2d noise(noise_px(generator), noise_px(generator));
-    observation.tips[finger] = {camera.project(tip_camera_m) + noise, sigma_px, true};
+    tips[finger] = camera.project(tip_camera_m) + noise;
   }
 
-  const auto estimate = handyar::estimate_pose(observation, hand, camera);
+  const auto estimate = handyar::paper::pose_from_tips(tips, hand, camera, sigma_px);
   if (!estimate) return 1;
 
   const double to_deg = 180 / std::numbers::pi;

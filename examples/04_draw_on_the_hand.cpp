@@ -48,8 +48,7 @@ int main(int argc, char** argv) try {
   handyar::io::Frame frame;
   while (source->read(frame)) {
     const handyar::TrackResult result = tracker.process(frame.view(), frame.time_s);
-    // The covariance tells how far a pose can be trusted.
-    if (!result.pose || handyar::sigma_translation_m(result.pose->covariance) > 0.01) continue;
+    if (!result.pose || result.doubtful) continue;
     draw_cube(frame.bgr, camera, result.pose->T_camera_hand);
     if (!cv::imwrite(argv[1], frame.bgr)) return 1;
     std::printf("drawn on frame %d\n", static_cast<int>(frame.index));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <array>
 #include <span>
 #include <vector>
 
+#include "handyar/paper/tracker.hpp"
 #include "handyar/tracker.hpp"
 
 namespace {
@@ -54,19 +54,20 @@ struct FuzzedFrame {
 // once: that takes longer than all the rest.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 2) return 0;
-  static std::array<HandTracker, 2> trackers = {
-      HandTracker(Camera::from_field_of_view(160, 120), average_adult_hand(), {}),
-      HandTracker(Camera::from_field_of_view(160, 120), average_adult_hand(),
-                  Config{.half_resolution = true})};
-  HandTracker& tracker = trackers[data[0] & 1];
+  const Camera camera = Camera::from_field_of_view(160, 120);
+  static HandTracker tracker(camera, average_adult_hand());
+  static paper::Tracker paper_tracker(camera, average_adult_hand());
   tracker.reset();
+  paper_tracker.reset();
   const std::size_t frames = 1 + (data[0] >> 1) % 4;
   const std::span<const std::uint8_t> rest(data + 1, size - 1);
   const std::size_t share = rest.size() / frames;
   if (share <= kHeader) return 0;
   for (std::size_t i = 0; i < frames; ++i) {
     const FuzzedFrame frame(rest.subspan(i * share, share));
-    tracker.process(frame.view, static_cast<double>(i) / 30.0);
+    const double time_s = static_cast<double>(i) / 30.0;
+    if ((data[0] & 1) != 0) paper_tracker.process(frame.view, time_s);
+    else tracker.process(frame.view, time_s);
   }
   return 0;
 }

@@ -73,35 +73,29 @@ int count(Film& film, int frames) {
     const int before = allocations;
     film.result = film.tracker.process(view, film.time_s);
     film.tracker.predict(film.time_s + 0.02);
-    film.tracker.contour_px();
     film.tracker.mask();
     total += allocations - before;
   }
   return total;
 }
 
-class Allocations : public testing::TestWithParam<bool> {
+class Allocations : public testing::Test {
  protected:
   void SetUp() override {
 #if defined(HANDYAR_CANNOT_COUNT)
     GTEST_SKIP() << "no way to count allocations here";
 #endif
   }
-  static Config config() {
-    Config c;
-    c.half_resolution = GetParam();
-    return c;
-  }
 };
 
-TEST_P(Allocations, AreCounted) {
+TEST_F(Allocations, AreCounted) {
   const int before = allocations;
   const Picture picture(160, 120);
   EXPECT_GT(allocations, before);
 }
 
-TEST_P(Allocations, NoneAfterTheFirstFrame) {
-  Film film(config());
+TEST_F(Allocations, NoneAfterTheFirstFrame) {
+  Film film;
   film.textured = true;
   EXPECT_GT(count(film, 1), 0);
   EXPECT_EQ(count(film, 30), 0) << "acquiring and tracking";
@@ -118,21 +112,18 @@ TEST_P(Allocations, NoneAfterTheFirstFrame) {
 }
 
 /// Bytes that a tracker takes in all for frames of this size.
-std::size_t memory(const Config& config, int width, int height) {
+std::size_t memory(int width, int height) {
   const Picture picture(width, height);
   const std::size_t before = allocated_bytes;
-  HandTracker tracker(Camera::from_field_of_view(width, height), average_adult_hand(), config);
+  HandTracker tracker(Camera::from_field_of_view(width, height), average_adult_hand());
   tracker.process(picture.view(), 0);
   return allocated_bytes - before;
 }
 
-TEST_P(Allocations, TakeAsMuchAsIsDocumented) {
-  EXPECT_LT(memory(config(), 640, 480), 4'000'000u);
-  EXPECT_LT(memory(config(), 1920, 1080), 4'800'000u);
+TEST_F(Allocations, TakeAsMuchAsIsDocumented) {
+  EXPECT_LT(memory(640, 480), 4'000'000u);
+  EXPECT_LT(memory(1920, 1080), 4'800'000u);
 }
-
-INSTANTIATE_TEST_SUITE_P(Resolution, Allocations, testing::Bool(),
-                         [](const auto& half) { return half.param ? "Half" : "Full"; });
 
 }  // namespace
 }  // namespace handyar

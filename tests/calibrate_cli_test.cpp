@@ -80,12 +80,8 @@ TEST_F(CalibrateCli, CameraAndHandFromOneRecording) {
   EXPECT_LT(tips_rms_mm(hand, io::read_hand(kData + "/calibrate/hand.json")), 1.0);
   EXPECT_EQ(hand.layout, Layout::thumb_right);
   EXPECT_EQ(hand.source, HandSource::checkerboard);
-  EXPECT_TRUE(hand.has_valleys);
+  EXPECT_TRUE(hand.figure);
   EXPECT_GT(hand.tips_sigma_m.minCoeff(), 0);
-  ASSERT_GT(hand.outline_m.size(), 100u);
-  const double wrist_m = (hand.outline_m.front() - hand.outline_m.back()).norm();
-  EXPECT_GT(wrist_m, 0.040);
-  EXPECT_LT(wrist_m, 0.070);
   EXPECT_FALSE(cv::imread(file("hand.png")).empty());
 }
 

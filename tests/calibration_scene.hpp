@@ -32,17 +32,15 @@ struct Scene {
   double tilt_rad = 0.55;  ///< largest angle between view and board normal
   int views = 90;
 
+  Eigen::Matrix<double, 3, kValleyCount> webs_m;  ///< in the hand frame
+  bool webs_seen = true;
+
   Scene() {
-    hand.has_valleys = true;
     // Relief over the plane nearest to the tips, which is the hand plane.
     hand.tips_m.row(2) << 0.00045, -0.00137, 0.00093, 0.00059, -0.00061;
-    hand.valleys_m << 0.042, 0.013, -0.013, -0.032,  //
-        -0.010, 0.008, 0.006, -0.006,                //
+    webs_m << 0.042, 0.013, -0.013, -0.032,  //
+        -0.010, 0.008, 0.006, -0.006,        //
         -0.004, -0.004, -0.004, -0.004;
-    hand.has_axes = true;
-    hand.axis_ends_m = hand.tips_m - 0.018 * hand.directions();
-    hand.axis_roots_m = hand.tips_m - 0.045 * hand.directions();
-    hand.axis_roots_m.row(2).array() -= 0.003;
   }
 
   /// The hand lies at the board's left, its fingers up (away from the person), back up.
@@ -80,20 +78,10 @@ struct Scene {
       const Eigen::Vector2d px = noisy(T * Eigen::Vector3d(c.x, c.y, c.z), corner_noise_px);
       v.corners_px.emplace_back(static_cast<float>(px.x()), static_cast<float>(px.y()));
     }
-    const Eigen::Vector3d eye_m = T_camera_hand.inverse().translation();
-    for (int k = 0; k < kFingerCount; ++k) {
-      const Eigen::Vector3d end_m =
-          outline_end_m(hand.tips_m.col(k), hand.directions().col(k), kTipRadius_m, eye_m);
-      v.tips[k] = {noisy(T_camera_hand * end_m, noise_px), true};
-    }
-    for (int k = 0; k < kValleyCount && hand.has_valleys; ++k) {
-      const Eigen::Vector3d end_m = outline_end_m(
-          hand.valleys_m.col(k), hand.valley_directions().col(k), kWebRadius_m, eye_m);
-      v.valleys[k] = {noisy(T_camera_hand * end_m, noise_px), true};
-    }
-    for (int k = 0; k < kFingerCount && hand.has_axes; ++k)
-      v.axes[k] = {camera.project(T_camera_hand * hand.axis_ends_m.col(k).eval()),
-                   camera.project(T_camera_hand * hand.axis_roots_m.col(k).eval()), true};
+    for (int k = 0; k < kFingerCount; ++k)
+      v.tips[k] = {noisy(T_camera_hand * hand.tips_m.col(k), noise_px), true};
+    for (int k = 0; k < kValleyCount && webs_seen; ++k)
+      v.webs[k] = {noisy(T_camera_hand * webs_m.col(k), noise_px), true};
     return v;
   }
 
@@ -118,19 +106,6 @@ inline double tips_rms_mm(const HandModel& measured, const HandModel& truth) {
   }
   const Eigen::Rotation2Dd turn(std::atan2(cross, dot));
   return 1000 * std::sqrt((turn.toRotationMatrix() * a - b).colwise().squaredNorm().mean());
-}
-
-/// How far two points of a measured axis lie beside the true one, in millimetres.
-inline double axis_error_mm(const HandModel& measured, const HandModel& truth, int finger,
-                            const Eigen::Isometry3d& T_true_measured) {
-  const Eigen::Vector3d end = truth.axis_ends_m.col(finger);
-  const Eigen::Vector3d along = (truth.axis_roots_m.col(finger) - end).normalized();
-  double worst_m = 0;
-  for (const auto* const points_m : {&measured.axis_ends_m, &measured.axis_roots_m}) {
-    const Eigen::Vector3d d = T_true_measured * points_m->col(finger).eval() - end;
-    worst_m = std::max(worst_m, (d - d.dot(along) * along).norm());
-  }
-  return 1000 * worst_m;
 }
 
 /// What a function refuses with; empty when it does not.

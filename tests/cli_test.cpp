@@ -171,8 +171,7 @@ TEST_F(CliTest, WrongUsageIsTwo) {
 
 TEST_F(CliTest, HelpVersionAndCamerasSucceed) {
   EXPECT_EQ(run("--version").out.rfind("handyar ", 0), 0u);
-  for (const char* arguments :
-       {"--help", "track --help", "demo --help", "cameras --help", "learn-color --help"}) {
+  for (const char* arguments : {"--help", "track --help", "demo --help", "cameras --help"}) {
     const Outcome r = run(arguments);
     EXPECT_EQ(r.code, 0) << arguments;
     EXPECT_EQ(r.err, "");
@@ -256,12 +255,10 @@ TEST_F(CliTest, DebugWritesTheStagesOfTheChosenFrames) {
   EXPECT_EQ(r.code, 0) << r.err;
   std::set<std::string> wanted;
   for (const char* frame : {"frame_000060_", "frame_000061_"})
-    for (const char* stage : {"1_input.png", "2_likelihood.png", "3_region.png", "4_contour.png",
-                              "5_fingertips.png", "6_pose.png"})
+    for (const char* stage : {"1_input.png", "3_outline.png", "4_region.png", "5_pose.png"})
       wanted.insert(std::string(frame) + stage);
   for (const std::string& name : wanted) EXPECT_TRUE(left().contains(name)) << name;
-  EXPECT_TRUE(left().contains("frame_000000_2_likelihood.png"));
-  EXPECT_FALSE(left().contains("frame_000000_6_pose.png")) << "no pose in the first frame";
+  EXPECT_TRUE(left().contains("frame_000000_2_candidates.png"));
   for (const std::string& name : left()) EXPECT_EQ(name.substr(name.size() - 4), ".png");
 
   const Outcome late = run("track " + kVideo + " --debug " + in("late") + " --debug-frames 88-90");
@@ -279,48 +276,6 @@ TEST_F(CliTest, DebugWritesTheStagesOfTheChosenFrames) {
   EXPECT_EQ(run("track " + kVideo + " --debug-frames 3").code, 2);
 }
 
-TEST_F(CliTest, LearnsColoursAndTracksWithThem) {
-  const Outcome learned = run("learn-color " + kVideo + " --out " + out("skin.json"));
-  EXPECT_EQ(learned.code, 0) << learned.err;
-  EXPECT_EQ(learned.err, "");
-  EXPECT_NE(learned.out.find(" colours from 1.0 s of a tracked hand"), std::string::npos)
-      << learned.out;
-  EXPECT_EQ(left(), std::set<std::string>{"skin.json"});
-  const Outcome tracked = run("track " + kVideo + " --skin " + out("skin.json"));
-  EXPECT_EQ(tracked.code, 0) << tracked.err;
-  EXPECT_EQ(tracked.out.rfind("90 frames, 9", 0), 0u) << tracked.out;  // 9x.x % tracked
-
-  write("skin.json", "{\"format\": \"handyar-skin\", \"version\": 7}");
-  for (const std::string& command :
-       {"track " + kVideo, std::string("demo --out ") + in("demo"),
-        "inspect " + kVideo + " --scene " + kData + "/scene_select.json",
-        "calibrate " + kVideo + " --board 8x6 --square-mm 25 --hand-out " + in("h.json"),
-        "evaluate " + kVideo + " --report " + in("report")}) {
-    const Outcome r = run(command + " --skin " + in("skin.json"));
-    EXPECT_EQ(r.code, 1) << command;
-    EXPECT_EQ(r.err, "handyar: " + in("skin.json") + ": version 7 is not known, only 1\n");
-  }
-}
-
-TEST_F(CliTest, NoColoursAreLearnedWithoutAHand) {
-  const auto no_hand = [&](const std::string& arguments, const std::string& subject,
-                           const std::string& fault) {
-    const Outcome r = run("learn-color " + arguments + " --out " + out("skin.json"));
-    EXPECT_EQ(r.code, 1) << arguments;
-    EXPECT_EQ(r.err.rfind("handyar: " + subject + ": ", 0), 0u) << r.err;
-    EXPECT_EQ(lines(r.err), 1) << r.err;
-    EXPECT_NE(r.err.find(fault), std::string::npos) << r.err;
-    EXPECT_EQ(left(), std::set<std::string>{});
-  };
-  write("wall.ppm", "P6\n160 120\n255\n" + std::string(160 * 120 * 3, 'x'));
-  no_hand(in("wall.ppm"), in("wall.ppm"),
-          "an open hand was tracked for 0.0 s, at least half of the 1.0 s");
-  no_hand(in("no.mp4"), in("no.mp4"), "no such file");
-  EXPECT_EQ(run("learn-color " + kVideo).code, 2) << "--out is missing";
-  EXPECT_EQ(run("learn-color " + kVideo + " --out " + kVideo).code, 2);
-  EXPECT_EQ(run("learn-color " + kVideo + " --out /proc/skin.json").code, 1);
-}
-
 TEST_F(CliTest, SaysWhatIsMissingWhenNothingWasTracked) {
   const auto film = [&](const cv::Matx34f& change) {
     const auto source = io::open_input(kVideo);
@@ -335,22 +290,13 @@ TEST_F(CliTest, SaysWhatIsMissingWhenNothingWasTracked) {
     EXPECT_EQ(lines(r.out), 2) << r.out;
     return r.out;
   };
-  const std::string grey = film({0, 0, 0, 128, 0, 0, 0, 128, 0, 0, 0, 128});
-  EXPECT_NE(grey.find("\nthe pictures are grey"), std::string::npos) << grey;
   const std::string dark = film({0, 0, 0, 5, 0, 0, 0, 10, 0, 0, 0, 25});
   EXPECT_NE(dark.find("\nthe pictures are too dark"), std::string::npos) << dark;
   const std::string wall = film({0, 0, 0, 180, 0, 0, 0, 120, 0, 0, 0, 60});
-  EXPECT_NE(wall.find("\nno skin-coloured region was seen"), std::string::npos) << wall;
+  EXPECT_NE(wall.find("\nno open hand was seen"), std::string::npos) << wall;
   const std::string skin = film({0, 0, 0, 110, 0, 0, 0, 140, 0, 0, 0, 200});
   EXPECT_NE(skin.find("\nthe hand fills the picture"), std::string::npos) << skin;
   EXPECT_EQ(lines(run("track " + kVideo).out), 1);
-}
-
-TEST_F(CliTest, TooShortAHandForLearningIsSaidInTheWordsOfTheOption) {
-  const Outcome asked = run("learn-color " + kVideo + " --seconds 100 --out " + out("skin.json"));
-  EXPECT_EQ(asked.code, 1);
-  EXPECT_NE(asked.err.find("at least half of the 100.0 s of --seconds"), std::string::npos)
-      << asked.err;
 }
 
 TEST_F(CliTest, EventsTellWhenTheHandIsFoundAndLost) {
@@ -433,8 +379,6 @@ TEST_F(CliTest, DemoMakesVideoAndPoses) {
   EXPECT_NE(r.out.find("200 frames"), std::string::npos) << r.out;
   EXPECT_EQ(lines(contents(out("demo/poses.csv"))), 201);
   EXPECT_GT(fs::file_size(out("demo/annotated.mp4")), 100000u);
-  EXPECT_EQ(run("demo --out " + out("none") + " --skin " + in("no.json")).code, 1);
-  EXPECT_FALSE(fs::exists(out("none"))) << "an empty folder is no result";
 }
 
 }  // namespace

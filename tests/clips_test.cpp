@@ -105,25 +105,6 @@ TEST(Clips, SampleOfAHandInTheAir) { expect_tracked_well(play_rendered("sample")
 
 TEST(Clips, CompareBesideMarkers) { expect_tracked_well(play_rendered("compare"), 90, 76); }
 
-TEST(Clips, SampleAtHalfResolution) {
-  Config config;
-  config.half_resolution = true;
-  const Score s = play_rendered("sample", config);
-  report(s);
-  EXPECT_GE(s.tracked, 180);
-  EXPECT_EQ(s.wrong, 0);
-  EXPECT_LT(median(s.tips_px), 3);
-}
-
-TEST(Clips, TheEllipseIsBetterThanCurvatureAlone) {
-  Config config;
-  config.fingertips.method = FingertipMethod::curvature;
-  const Score curvature = play_rendered("compare", config), ellipse = play_rendered("compare");
-  report(curvature);
-  EXPECT_EQ(curvature.wrong, 0);
-  EXPECT_LT(median(ellipse.tips_px), median(curvature.tips_px));
-}
-
 TEST(Clips, WallOfAlmostSkinColour) {
   // Annotations by frame: tips, where inside the picture.
   std::map<std::int64_t, std::array<Eigen::Vector2d, kFingerCount>> annotations;

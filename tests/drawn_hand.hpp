@@ -1,89 +1,23 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <Eigen/LU>
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
 
-#include "drawn_mask.hpp"
+#include "align/silhouette.hpp"
 #include "handyar/image_view.hpp"
 #include "synthetic_hand.hpp"
 
 namespace handyar::test {
 
-/// Where the hand plane is hand: strokes, and a convex palm.
-class HandOutline {
- public:
-  void add(const Capsule& stroke) { strokes_.push_back(stroke); }
-
-  /// The palm: the corners of a convex polygon, counter-clockwise (x right, y up).
-  template <std::size_t N>
-  void add_palm(const std::array<Eigen::Vector2d, N>& corners) {
-    for (std::size_t i = 0; i < N; ++i) {
-      const Eigen::Vector2d a = corners[i], along = (corners[(i + 1) % N] - a).normalized();
-      sides_.push_back({along.y(), -along.x(), along.y() * a.x() - along.x() * a.y()});
-    }
-  }
-
-  /// Signed distance (m, negative inside) of a point of the hand plane.
-  double distance_m(double x, double y) const {
-    double palm = -1;  // the largest of the distances to its sides
-    for (const Side& side : sides_) palm = std::max(palm, side.nx * x + side.ny * y - side.offset);
-    double d = palm;
-    for (const Capsule& stroke : strokes_) d = std::min(d, stroke.distance(x, y));
-    return d;
-  }
-
- private:
-  struct Side {
-    double nx, ny, offset;  ///< of the line nx x + ny y = offset, its normal outwards
-  };
-  std::vector<Side> sides_;
-  std::vector<Capsule> strokes_;
-};
-
-/// A flat hand of round strokes with the average adult's fingertips: the ends of the fingers are
-/// exactly the tips of `average_adult_hand()`.
+/// A hand of one colour: the mean figure, or another person's.
 struct DrawnHand {
-  Layout layout = Layout::thumb_right;
-  std::array<double, kFingerCount> fold{};  ///< 0: outstretched, 1: folded into the palm
-  bool forearm = true;
-
-  void make_fist() { fold.fill(1); }
-
-  /// As it is with the thumb on the right, whatever the layout.
-  HandOutline outline_thumb_right() const {
-    using V = Eigen::Vector2d;
-    const HandModel hand = average_adult_hand();
-    const std::array<V, kFingerCount> knuckles = {
-        V{.052, -.036}, {.024, -.002}, {.001, .004}, {-.022, -.002}, {-.040, -.018}};
-    constexpr std::array<double, kFingerCount> kRadii = {.010, .0085, .0085, .008, .007};
-    HandOutline outline;
-    outline.add_palm<8>({V{.027, .010},
-                         {.012, .018},
-                         {-.013, .018},
-                         {-.036, .003},
-                         {-.043, -.020},
-                         {-.030, -.092},
-                         {.028, -.092},
-                         {.036, -.022}});
-    for (int f = 0; f < kFingerCount; ++f) {
-      const V tip = hand.tips_m.col(f).head<2>(), knuckle = knuckles[f];
-      const V end = tip - kRadii[f] * (tip - knuckle).normalized();
-      if (fold[f] < 1) outline.add({knuckle, end + fold[f] * (knuckle - end), kRadii[f]});
-    }
-    if (fold[0] < 1) outline.add({V(.018, -.066), knuckles[0], .013});
-    if (forearm) outline.add({V(-.001, -.09), V(-.001, -.6), .029});
-    return outline;
-  }
-
-  /// A function of a point (m) of the hand plane: its signed distance (m, negative inside).
-  auto distance_m() const {
-    return [outline = outline_thumb_right(), side = layout == Layout::thumb_right ? 1.0 : -1.0](
-               double x, double y) { return outline.distance_m(side * x, y); };
-  }
+  Appearance appearance;
+  HandState state;  ///< its pose is the film's
 };
 
 using Bgr = std::array<std::uint8_t, 3>;
@@ -146,19 +80,16 @@ class Picture {
   /// Paints the hand where a pinhole camera without distortion sees it.
   void paint(const DrawnHand& hand, const Camera& camera, const Eigen::Isometry3d& T_camera_hand,
              const Bgr& color = kSkinColor) {
-    Eigen::Matrix3d K;
-    K << camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, 1;
-    Eigen::Matrix3d plane;
-    plane << T_camera_hand.linear().leftCols<2>(), T_camera_hand.translation();
-    const Eigen::Matrix3d hand_px = (K * plane).inverse();
-    std::array<double, 9> h;  // by rows
-    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data()) = hand_px;
+    HandState state = hand.state;
+    state.T_camera_hand = T_camera_hand;
+    const HandView view(camera, T_camera_hand.translation());
+    const Silhouette silhouette(hand.appearance, state, view);
     paint(
-        [h, distance_m = hand.distance_m()](const Eigen::Vector2d& px) {
-          const double x = px.x(), y = px.y(), w = h[6] * x + h[7] * y + h[8];
-          return distance_m((h[0] * x + h[1] * y + h[2]) / w, (h[3] * x + h[4] * y + h[5]) / w);
+        [&](const Eigen::Vector2d& px) {
+          const Eigen::Vector3d ray = view.R_view_camera() * camera.unproject(px).homogeneous();
+          return silhouette.distance_px((view.f_px() * ray.hnormalized()).cast<float>());
         },
-        camera.fx_px / T_camera_hand.translation().z(), color);
+        1, color);
   }
 
   /// Noise of about the given standard deviation, the same for the same `seed`.

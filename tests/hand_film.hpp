@@ -6,10 +6,12 @@
 
 namespace handyar::test {
 
+/// The mean figure, measured exactly.
 inline HandModel drawn_hand_model() {
-  HandModel hand = average_adult_hand();
+  FigureEstimate figure;
+  figure.covariance *= 1e-4;
+  HandModel hand = hand_of_figure(figure, Layout::thumb_right);
   hand.source = HandSource::truth;
-  hand.tips_sigma_m.setZero();
   return hand;
 }
 
@@ -22,7 +24,7 @@ struct Film {
 
   /// Fingers up, a little tilted, moving slowly.
   Eigen::Isometry3d pose_at(double t_s) const {
-    return hand_at(0.42, deg(20) + 0.15 * std::sin(2 * t_s), 0.6,
+    return hand_at(0.42, tilt_rad * (1 + 0.43 * std::sin(2 * t_s)), 0.6 + 2 * (tilt_rad - deg(20)) * t_s,
                    {0.015 * std::sin(1.5 * t_s), -0.03});
   }
 
@@ -56,8 +58,10 @@ struct Film {
   }
 
   Eigen::Vector2d true_tip_px(int finger) const {
-    const HandModel seen = hand_model.for_layout(hand.layout);
-    return camera.project(T_camera_hand * seen.tips_m.col(finger).eval());
+    const HandFigure figure =
+        make_figure(hand.state.figure, hand.appearance.face, hand.appearance.layout);
+    const PosedFigure posed = pose_fingers(figure, hand.state.posture);
+    return camera.project(T_camera_hand * posed.tips_m.col(finger).eval());
   }
 
   /// Largest distance of a tip reported to its true place.
@@ -82,6 +86,7 @@ struct Film {
   bool present = true, textured = false;
   std::function<void(Picture&)> extra;
   mutable std::optional<Picture> background;
+  double tilt_rad = deg(20);
   double noise = 3, fps = 30, time_s = 0;
   int frame = 0;
   Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();

@@ -25,7 +25,6 @@
 #include "handyar/io/pose_csv.hpp"
 #include "handyar/io/recording.hpp"
 #include "handyar/io/sample.hpp"
-#include "handyar/io/skin_file.hpp"
 #include "handyar/io/video_writer.hpp"
 #include "handyar/tracker.hpp"
 
@@ -219,43 +218,33 @@ TEST_F(IoTest, HandIsReadBackAsWritten) {
   HandModel hand = average_adult_hand().for_layout(Layout::thumb_left);
   hand.source = HandSource::checkerboard;
   hand.rms_px = 1.0 / 3.0;
-  hand.tips_sigma_m.setZero();  // version 1 has none
+  hand.tips_sigma_m.setZero();
   write_hand(path("1.json"), hand);
-  EXPECT_NE(read_text(path("1.json")).find("\"version\": 1"), std::string::npos);
   HandModel read = read_hand(path("1.json"));
   EXPECT_EQ(read.tips_m, hand.tips_m);
   EXPECT_EQ(read.layout, hand.layout);
   EXPECT_EQ(read.source, hand.source);
   EXPECT_EQ(read.rms_px, hand.rms_px);
   EXPECT_EQ(read.thickness_m, hand.thickness_m);
-  EXPECT_FALSE(read.has_valleys);
+  EXPECT_FALSE(read.figure);
 
   hand.tips_sigma_m.setConstant(0.001);
-  hand.has_valleys = true;
-  hand.valleys_m.setRandom();
-  hand.valleys_m *= 0.1;
-  hand.outline_m = {{0, 0}, {0.1, 0}, {0.1, -0.1}};
   write_hand(path("2.json"), hand);
-  EXPECT_NE(read_text(path("2.json")).find("\"version\": 2"), std::string::npos);
-  read = read_hand(path("2.json"));
-  EXPECT_EQ(read.tips_sigma_m, hand.tips_sigma_m);
-  EXPECT_TRUE(read.has_valleys);
-  EXPECT_EQ(read.valleys_m, hand.valleys_m);
-  EXPECT_EQ(read.outline_m, hand.outline_m);
-  EXPECT_FALSE(read.has_axes);
+  EXPECT_EQ(read_hand(path("2.json")).tips_sigma_m, hand.tips_sigma_m);
 
-  hand.has_axes = true;
-  hand.axis_ends_m = hand.tips_m - 0.02 * hand.directions();
-  hand.axis_roots_m = hand.tips_m - 0.05 * hand.directions();
-  write_hand(path("3.json"), hand);
-  EXPECT_NE(read_text(path("3.json")).find("\"version\": 3"), std::string::npos);
-  read = read_hand(path("3.json"));
-  EXPECT_TRUE(read.has_axes);
-  EXPECT_EQ(read.axis_ends_m, hand.axis_ends_m);
-  EXPECT_EQ(read.axis_roots_m, hand.axis_roots_m);
-  hand.axis_roots_m = hand.axis_ends_m;
-  EXPECT_EQ(fault_of([&] { parse_hand(format_hand(hand), "h.json"); }),
-            "h.json: axis_ends_m and axis_roots_m: thumb has both at one place");
+  hand.figure = FigureEstimate{};
+  hand.figure->mean.setRandom();
+  hand.figure->covariance *= 0.25;
+  hand.figure->covariance(2, 5) = hand.figure->covariance(5, 2) = 0.1;
+  write_hand(path("4.json"), hand);
+  EXPECT_NE(read_text(path("4.json")).find("\"version\": 4"), std::string::npos);
+  read = read_hand(path("4.json"));
+  ASSERT_TRUE(read.figure);
+  EXPECT_EQ(read.figure->mean, hand.figure->mean);
+  EXPECT_EQ(read.figure->covariance, hand.figure->covariance);
+  hand.figure->covariance(0, 0) = -1;
+  EXPECT_NE(fault_of([&] { parse_hand(format_hand(hand), "h.json"); }).find("h.json: figure"),
+            std::string::npos);
 }
 
 TEST_F(IoTest, FaultyHandFilesAreRefusedByField) {
@@ -264,9 +253,8 @@ TEST_F(IoTest, FaultyHandFilesAreRefusedByField) {
   } cases[] = {
       {"\"little\"", "\"pinky\"", "tips_m: there is no pinky on a hand"},
       {"handyar-hand", "hand", "format is not handyar-hand"},
-      {"\"version\": 1", "\"version\": 4", "version 4 is not known, only 1 to 3"},
-      {"\"version\": 1", "\"version\": 0", "version 0 is not known, only 1 to 3"},
-      {"\"version\": 1", "\"version\": 3, \"axis_ends_m\": {}", "axis_ends_m: thumb is missing"},
+      {"\"version\": 1", "\"version\": 5", "version 5 is not known, only 1 to 4"},
+      {"\"version\": 1", "\"version\": 0", "version 0 is not known, only 1 to 4"},
       {"\"version\": 1", "\"version\": 1.5", "version is not a whole number"},
       {"0.093328608", "93.328608", "tips_m: thumb is too far off: the unit is the metre"},
       {"0.093328608", "\"wide\", 0.09", "tips_m: thumb is not [x, y, z]"},
@@ -301,67 +289,11 @@ TEST_F(IoTest, FaultyHandFilesAreRefusedByField) {
   }
 }
 
-TEST_F(IoTest, SkinIsReadBackAsWritten) {
-  const SkinColors colors{{{bin_of_rgb(4, 4, 4), 0.5f},
-                           {bin_of_rgb(140, 110, 96), 0.2f},
-                           {bin_of_rgb(204, 148, 116), 0.3f}}};
-  write_skin(path("skin.json"), colors);
-  const SkinColors read = read_skin(path("skin.json"));
-  ASSERT_EQ(read.entries.size(), colors.entries.size());
-  for (std::size_t i = 0; i < colors.entries.size(); ++i) {
-    EXPECT_EQ(read.entries[i].bin, colors.entries[i].bin);
-    EXPECT_NEAR(read.entries[i].share, colors.entries[i].share, 1e-6);
-  }
-  // Written by hand: any colours, any measure of how much of each.
-  const SkinColors glove = parse_skin(
-      "{\"format\": \"handyar-skin\", \"version\": 1,"
-      " \"colors\": [[40, 90, 200, 3], [30, 70, 160, 1]]}",
-      "glove.json");
-  ASSERT_EQ(glove.entries.size(), 2u);
-  EXPECT_EQ(glove.entries[1].bin, bin_of_rgb(40, 90, 200));
-  EXPECT_FLOAT_EQ(glove.entries[1].share, 0.75f);
-}
-
-TEST_F(IoTest, FaultySkinFilesAreRefusedByField) {
-  const std::string good =
-      format_skin({{{bin_of_rgb(4, 4, 4), 0.5f}, {bin_of_rgb(204, 148, 116), 0.25f}}});
-  const struct {
-    const char *what, *by, *fault;
-  } cases[] = {
-      {"handyar-skin", "skin", "format is not handyar-skin"},
-      {"\"version\": 1", "\"version\": 2", "version 2 is not known, only 1"},
-      {"\"version\": 1", "\"version\": \"1\"", "version is not a whole number"},
-      {"\"version\"", "\"edition\"", "version is missing"},
-      {"\"colors\"", "\"colours\"", "colors is missing"},
-      {", 0.5]", "]", "colors: number 1 is not [red, green, blue, share]"},
-      {"[5, 4, 2", "[5, 4, 2, 4", "colors: number 1 is not [red, green, blue, share]"},
-      {"[5, 4, 2", "[5, 4, 256", "colors: number 1: red, green and blue are whole numbers"},
-      {"[5, 4, 2", "[-1, 4, 2", "colors: number 1: red, green and blue are whole numbers"},
-      {"[5, 4, 2", "[4.5, 4, 2", "colors: number 1: red, green and blue are whole numbers"},
-      {"0.25", "0", "colors: number 2: share is not a positive number"},
-      {"0.25", "-0.25", "colors: number 2: share is not a positive number"},
-      {"0.25", "1e300", "colors: number 2: share is not a positive number"},
-      {"0.25", "1e999", "is not valid JSON"},
-      {"0.25", "NaN", "is not valid JSON"},
-      {"0.25", "null", "colors: number 2: share is not a number"},
-  };
-  for (const auto& c : cases) {
-    const std::string fault = fault_of([&] { parse_skin(replaced(good, c.what, c.by), "s.json"); });
-    EXPECT_EQ(fault.rfind(std::string("s.json: ") + c.fault, 0), 0u) << fault;
-  }
-  for (const std::string& text : std::initializer_list<std::string>{
-           "", "[]", "7", "{", "{\"format\": 1}",
-           "{\"format\": \"handyar-skin\", \"version\": 1, \"colors\": []}"}) {
-    EXPECT_NE(fault_of([&] { parse_skin(text, "s.json"); }), "") << text;
-  }
-  EXPECT_EQ(fault_of([&] { read_skin(path("none.json")); }).rfind(path("none.json") + ": ", 0), 0u);
-}
-
 TEST_F(IoTest, PoseRowsAreTheSameInEveryLocale) {
   TrackResult result;
   result.time_s = 1.0 / 3.0;
   EXPECT_EQ(pose_csv_row(7, result, false),
-            "7,0.333333,searching,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,");
+            "7,0.333333,searching,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,0,");
   result.state = State::tracking;
   result.layout = Layout::thumb_left;
   result.tips[0] = {{1.5, -2.25}, true};

@@ -213,7 +213,7 @@ TEST(TrackerInput, FramesThatCannotBeReadChangeNothing) {
 /// The numbers of a result, to be compared bit by bit.
 std::vector<double> numbers(const TrackResult& r) {
   std::vector<double> n = {double(r.state), r.layout ? double(*r.layout) : -1};
-  for (const auto& points : {std::span<const Tip>(r.tips), std::span<const Tip>(r.valleys)})
+  for (const auto& points : {std::span<const Tip>(r.tips), std::span<const Tip>(r.webs)})
     for (const Tip& t : points)
       for (const double x : {double(t.seen), t.px.x(), t.px.y()}) n.push_back(x);
   const auto add = [&](const Eigen::Isometry3d& T, const Matrix6d& covariance) {
@@ -271,12 +271,10 @@ TEST(TrackerInput, StagesAreTimedOnlyWithAClock) {
   config.now_s = tick_s;
   Film timed(config);
   ASSERT_LT(timed.until(State::tracking, 1), 1);
+  timed.next();
   const StageTimes& t = timed.result.times;
-  for (const double ms :
-       {t.segmentation_ms, t.fingertips_ms, t.matching_ms, t.pose_ms, t.filter_ms})
-    EXPECT_GT(ms, 0.9);
-  EXPECT_GE(t.total_ms + 1e-6,
-            t.segmentation_ms + t.fingertips_ms + t.matching_ms + t.pose_ms + t.filter_ms);
+  for (const double ms : {t.segmentation_ms, t.pose_ms, t.filter_ms}) EXPECT_GT(ms, 0.9);
+  EXPECT_GE(t.total_ms + 1e-6, t.segmentation_ms + t.pose_ms + t.filter_ms);
 }
 
 }  // namespace

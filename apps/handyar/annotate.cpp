@@ -84,13 +84,18 @@ Pen pen_for(cv::Mat& bgr, bool mirrored = false) {
   return {bgr, std::max(0.6, std::min(bgr.cols / 640.0, bgr.rows / 480.0)), mirrored};
 }
 
-void draw_contour(const Pen& pen, std::span<const Eigen::Vector2f> contour_px) {
-  if (contour_px.size() < 3) return;
-  std::vector<cv::Point> points;
-  points.reserve(contour_px.size());
-  for (const Eigen::Vector2f& p : contour_px) points.push_back(fixed(p.cast<double>()));
-  cv::polylines(pen.picture, points, true, kShadow, pen.thick(3), cv::LINE_AA, kSubpixelBits);
-  cv::polylines(pen.picture, points, true, kContour, pen.thick(1), cv::LINE_AA, kSubpixelBits);
+void draw_contour(const Pen& pen, const HandMask& mask) {
+  if (mask.width == 0) return;
+  const cv::Mat pixels(mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.data),
+                       static_cast<std::size_t>(mask.stride_bytes));
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(pixels, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
+  for (auto& outline : outlines) {
+    for (cv::Point& p : outline)
+      p = fixed({mask.x0_px + p.x * mask.step_px, mask.y0_px + p.y * mask.step_px});
+    cv::polylines(pen.picture, outline, true, kShadow, pen.thick(3), cv::LINE_AA, kSubpixelBits);
+    cv::polylines(pen.picture, outline, true, kContour, pen.thick(1), cv::LINE_AA, kSubpixelBits);
+  }
 }
 
 void draw_tips(const Pen& pen, const TrackResult& result) {
@@ -138,6 +143,7 @@ void draw_axes(const Pen& pen, const Camera& camera, const Eigen::Isometry3d& T_
 
 std::string status_line(const TrackResult& result, bool mirrored, const std::string& missing) {
   std::string line(name(result.state));
+  if (result.doubtful) line += " (doubtful)";
   if (result.layout)
     line += "   " + std::string(name(mirrored ? opposite(*result.layout) : *result.layout));
   if (result.state != State::tracking && !missing.empty()) return line + "   " + missing;
@@ -175,18 +181,16 @@ void draw_status(const Pen& pen, const TrackResult& result, const std::string& m
 
 }  // namespace
 
-void draw_contour(cv::Mat& bgr, std::span<const Eigen::Vector2f> contour_px) {
-  draw_contour(pen_for(bgr), contour_px);
-}
+void draw_contour(cv::Mat& bgr, const HandMask& mask) { draw_contour(pen_for(bgr), mask); }
 void draw_tips(cv::Mat& bgr, const TrackResult& result) { draw_tips(pen_for(bgr), result); }
 void draw_axes(cv::Mat& bgr, const Camera& camera, const Eigen::Isometry3d& T_camera_hand) {
   draw_axes(pen_for(bgr), camera, T_camera_hand);
 }
 
-void annotate(cv::Mat& bgr, const HandTracker& tracker, const Camera& camera,
-              const TrackResult& result, bool mirrored, const std::string& missing) {
+void annotate(cv::Mat& bgr, const HandMask& mask, const Camera& camera, const TrackResult& result,
+              bool mirrored, const std::string& missing) {
   const Pen pen = pen_for(bgr, mirrored);
-  draw_contour(pen, tracker.contour_px());
+  draw_contour(pen, mask);
   if (result.pose) draw_axes(pen, camera, result.pose->T_camera_hand);
   draw_tips(pen, result);
   draw_status(pen, result, missing);

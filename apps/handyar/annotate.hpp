@@ -13,14 +13,14 @@ namespace handyar::cli {
 /// the axes of the hand frame, and a line with state, layout and milliseconds, and `missing` when
 /// there is no hand. `camera` is the one of this picture size. `mirrored`: the picture will be
 /// mirrored, so that all words are written from right to left and the layout is the mirror's.
-void annotate(cv::Mat& bgr, const HandTracker& tracker, const Camera& camera,
-              const TrackResult& result, bool mirrored = false, const std::string& missing = "");
+void annotate(cv::Mat& bgr, const HandMask& mask, const Camera& camera, const TrackResult& result,
+              bool mirrored = false, const std::string& missing = "");
 
 /// Writes lines of text into the picture's upper left corner.
 void draw_lines(cv::Mat& bgr, const std::vector<std::string>& lines);
 
 /// Its parts, alone.
-void draw_contour(cv::Mat& bgr, std::span<const Eigen::Vector2f> contour_px);
+void draw_contour(cv::Mat& bgr, const HandMask& mask);
 void draw_tips(cv::Mat& bgr, const TrackResult& result);
 void draw_axes(cv::Mat& bgr, const Camera& camera, const Eigen::Isometry3d& T_camera_hand);
 

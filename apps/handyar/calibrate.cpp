@@ -17,7 +17,6 @@
 #include "handyar/io/hand_file.hpp"
 #include "handyar/io/pending_file.hpp"
 #include "handyar/io/picture_file.hpp"
-#include "handyar/io/skin_file.hpp"
 #include "handyar/render/window.hpp"
 
 namespace handyar::cli {
@@ -60,17 +59,15 @@ void check_usage(const CalibrateRun& run) {
   if (const auto type = std::filesystem::path(run.picture_out).extension();
       !run.picture_out.empty() && type != ".png" && type != ".jpg")
     throw WrongUsage("--picture " + run.picture_out + " is neither .png nor .jpg");
-  require_distinct_files({run.input, run.camera_file, run.skin_file},
+  require_distinct_files({run.input, run.camera_file},
                          {run.camera_out, run.hand_out, run.picture_out});
 }
 
 // Hands every frame to `take` with what the tracker sees in it, until the input ends or `take`
 // gives false.
 template <class Take>
-void watch(io::FrameSource& source, const Camera& camera, const SkinColors& skin, Take take) {
-  Config config;
-  config.skin.personal = skin;
-  HandTracker tracker(camera, average_adult_hand(), config);
+void watch(io::FrameSource& source, const Camera& camera, Take take) {
+  HandTracker tracker(camera, average_adult_hand());
   io::Frame frame;
   catch_interrupts();
   while (interrupt() == 0 && source.read(frame)) {
@@ -105,10 +102,11 @@ void report(const HandCalibration& c, double thickness_mm) {
 
 void report(const SelfCalibration& c) {
   std::printf(
-      "hand: %.1f mm from thumb tip to little fingertip, %s; %.2f px rms over %zu frames, "
-      "seen from directions up to %.0f degrees apart\n",
-      1000 * c.hand.span_m(), std::string(name(c.hand.layout)).c_str(), c.hand.rms_px,
-      c.views_used.size(), c.turned_rad * 180 / CV_PI);
+      "hand: %.1f mm from thumb tip to little fingertip, %s, tips +- %.1f mm; learned over %d "
+      "frames, seen from directions up to %.0f degrees apart\n",
+      1000 * c.hand.span_m(), std::string(name(c.hand.layout)).c_str(),
+      1000 * std::sqrt(c.hand.tips_sigma_m.topRows<2>().array().square().mean()), c.views,
+      c.turned_rad * 180 / CV_PI);
   if (c.hand.average_scale)
     std::printf(
         "no --span-mm or --hand-length-mm: the shape is this hand's, the size the average "
@@ -116,7 +114,7 @@ void report(const SelfCalibration& c) {
 }
 
 int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
-                         const Camera* known_camera, const SkinColors& skin) {
+                         const Camera* known_camera) {
   const io::SourceInfo& info = source.info();
   const Board board = board_of(run);
   CalibrationSession session(board, {info.width_px, info.height_px});
@@ -126,8 +124,8 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
     ProgressLine progress;
     watch(source,
           known_camera ? *known_camera : Camera::from_field_of_view(info.width_px, info.height_px),
-          skin, [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& hand) {
-            const auto& view = session.add(frame.bgr, hand, tracker.contour_px());
+          [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& result) {
+            const auto& view = session.add(frame.bgr, result, tracker.hand());
             const Coverage& coverage = session.coverage();
             progress.show(std::ssize(session.views()), info.frame_count,
                           " frames, " + std::to_string(coverage.views()) + " different views, " +
@@ -161,8 +159,7 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
   return kDone;
 }
 
-int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Camera& camera,
-                     const SkinColors& skin) {
+int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Camera& camera) {
   const io::SourceInfo& info = source.info();
   std::vector<CalibrationView> views;
   std::optional<render::Window> window;
@@ -171,15 +168,15 @@ int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Cam
   int with_hand = 0;
   {
     ProgressLine progress;
-    watch(source, camera, skin,
-          [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& hand) {
-            views.push_back(hand_view(hand, tracker.contour_px()));
+    watch(source, camera,
+          [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& result) {
+            views.push_back(hand_view(result, tracker.hand()));
             with_hand += views.back().hand_seen();
             progress.show(std::ssize(views), info.frame_count,
                           " frames, " + std::to_string(with_hand) + " with five fingertips");
             if (!window) return true;
             frame.bgr.copyTo(picture);
-            annotate(picture, tracker, camera, hand);
+            annotate(picture, tracker.mask(), camera, result);
             return window->show(picture, 0.001);
           });
   }
@@ -208,10 +205,9 @@ int calibrate(const CalibrateRun& run) {
                                  run.camera_file);
   else if (run.assume_camera)
     camera = Camera::from_field_of_view(info.width_px, info.height_px);
-  const SkinColors skin = run.skin_file.empty() ? SkinColors{} : io::read_skin(run.skin_file);
   try {
-    return run.self ? calibrate_itself(run, *source, *camera, skin)
-                    : calibrate_with_board(run, *source, camera ? &*camera : nullptr, skin);
+    return run.self ? calibrate_itself(run, *source, *camera)
+                    : calibrate_with_board(run, *source, camera ? &*camera : nullptr);
   } catch (const CalibrationError& e) {
     throw io::Error(info.name, e.what());
   }
@@ -231,7 +227,6 @@ Command add_calibrate(CLI::App& app) {
                       "Write a picture of the result (paper Figure 5)");
   options->add_option("--camera", run->camera_file,
                       "Known camera (YAML): only the hand is measured");
-  options->add_option("--skin", run->skin_file, kSkinHelp);
   options->add_option("--method", run->method, "How the hand is measured")
       ->check(CLI::IsMember({"triangulation", "plane"}))
       ->capture_default_str();

@@ -7,7 +7,7 @@ namespace handyar::cli {
 
 /// One run of `handyar calibrate`; an empty name: not wanted.
 struct CalibrateRun {
-  std::string input, camera_file, skin_file, camera_out, hand_out, picture_out;
+  std::string input, camera_file, camera_out, hand_out, picture_out;
   std::string grid;
   double square_mm = 0, thickness_mm = 5;
   std::string method = "triangulation";

@@ -14,8 +14,6 @@ inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kWrongUsage = 2;
 
-inline constexpr const char* kSkinHelp = "Colours of this hand or glove (JSON, from learn-color)";
-
 /// A subcommand: its options are added to the application when it is made, `run` is called when the
 /// user asked for it and gives the exit code.
 struct Command {
@@ -31,7 +29,6 @@ Command add_calibrate(CLI::App& app);
 Command add_board(CLI::App& app);
 Command add_cameras(CLI::App& app);
 Command add_evaluate(CLI::App& app);
-Command add_learn_color(CLI::App& app);
 Command add_setup(CLI::App& app);
 
 /// What an option's number may be; unlike CLI11's own check it does not take nan.

@@ -7,77 +7,35 @@
 #include <opencv2/imgproc.hpp>
 
 #include "annotate.hpp"
-#include "handyar/hand_shape.hpp"
 #include "handyar/io/picture_file.hpp"
 
 namespace handyar::cli {
 namespace {
 
-const cv::Scalar kTipColor{66, 228, 240}, kValleyColor{180, 105, 0}, kEllipseColor{80, 60, 230};
+const cv::Scalar kSure{110, 220, 120}, kUnsure{80, 100, 240}, kCandidate{66, 228, 240};
 
-/// Mid-grey: as likely hand as background; four levels are an eighth of a nat.
-cv::Mat likelihood(const cv::Mat& bgr, std::span<const std::int8_t> ratios) {
-  BinImage image;
-  image.bins.resize(bgr.total());
-  const ImageView view{bgr.data, bgr.cols, bgr.rows, std::ptrdiff_t(bgr.step[0]), PixelFormat::bgr};
-  read_bins(view, {0, 0, bgr.cols, bgr.rows}, 1, image);
-  cv::Mat picture(bgr.size(), CV_8U);
-  std::ranges::transform(image.used(), picture.data, [&](ColorBin bin) {
-    return cv::saturate_cast<std::uint8_t>(128 + 4 * ratios[bin]);
-  });
-  return picture;
+cv::Point2d point(const Eigen::Vector2f& px) { return {px.x(), px.y()}; }
+
+/// Where the finder saw hands: palm and rough fingertips, the surer the thicker.
+void draw_candidates(cv::Mat& picture, std::span<const HandCandidate> candidates) {
+  for (const HandCandidate& candidate : candidates) {
+    const int thickness = candidate.log_odds > 0 ? 2 : 1;
+    for (const Eigen::Vector2f& tip : candidate.tips_px) {
+      cv::line(picture, point(candidate.palm_px), point(tip), kCandidate, thickness, cv::LINE_AA);
+      cv::circle(picture, point(tip), 4, kCandidate, thickness, cv::LINE_AA);
+    }
+  }
 }
 
-/// The tracker's mask in the form that the stages want.
-Mask packed(const HandMask& from) {
-  Mask mask;
-  mask.pack(from.data, from.width, from.height, from.stride_bytes);
-  return mask;
+/// Each place on the figure's outline and the line to where the picture has its boundary; green
+/// where the picture agrees, red where it does not.
+void draw_outline(cv::Mat& picture, std::span<const OutlinePoint> outline) {
+  for (const OutlinePoint& p : outline) {
+    const cv::Scalar& color = p.log_ratio > 0 ? kSure : kUnsure;
+    cv::circle(picture, point(p.px), 2, color, cv::FILLED, cv::LINE_AA);
+    cv::line(picture, point(p.px), point(p.px + p.found_px * p.normal), color, 1, cv::LINE_AA);
+  }
 }
-
-/// The hand of a result in mask pixels.
-HandShape shape_of(const TrackResult& result, const HandMask& mask) {
-  HandShape shape;
-  const auto to_mask = [&](const Eigen::Vector2d& px) -> Eigen::Vector2f {
-    const double centre = 0.5 * (mask.step_px - 1);
-    return ((px - Eigen::Vector2d(mask.x0_px + centre, mask.y0_px + centre)) / mask.step_px)
-        .cast<float>();
-  };
-  shape.layout = *result.layout;
-  for (int f = 0; f < kFingerCount; ++f) {
-    shape.tip_seen[f] = result.tips[f].seen;
-    shape.tips[f] = to_mask(result.tips[f].px);
-  }
-  for (int k = 0; k < kValleyCount; ++k) {
-    shape.valley_seen[k] = result.valleys[k].seen;
-    shape.valleys[k] = to_mask(result.valleys[k].px);
-  }
-  HandShapeModel{}.fit({}, shape);
-  return shape;
-}
-
-/// The stages from mask to fingertips once more, for what the tracker does not keep of them.
-struct Stages {
-  HandMask hand_mask;
-  Mask mask;
-  HandShape shape;
-  Contour contour;
-  CurvatureFinder curvature;
-
-  Stages(const HandTracker& tracker, const FingertipConfig& config, const TrackResult& result)
-      : hand_mask(tracker.mask()),
-        mask(packed(hand_mask)),
-        shape(shape_of(result, hand_mask)),
-        curvature(config) {
-    contour.reserve(1 << 14);
-    if (contour.trace(mask)) curvature.find(contour, shape.palm_radius());
-  }
-  Eigen::Vector2d to_input(const Eigen::Vector2f& p) const {
-    const double centre = 0.5 * (hand_mask.step_px - 1);
-    return hand_mask.step_px * p.cast<double>() +
-           Eigen::Vector2d(hand_mask.x0_px + centre, hand_mask.y0_px + centre);
-  }
-};
 
 cv::Mat region(const cv::Mat& bgr, const HandMask& mask) {
   cv::Mat picture = 0.3 * bgr;
@@ -86,51 +44,10 @@ cv::Mat region(const cv::Mat& bgr, const HandMask& mask) {
       if (mask.data[v * mask.stride_bytes + u] != 0) {
         const cv::Rect pixel(mask.x0_px + u * mask.step_px, mask.y0_px + v * mask.step_px,
                              mask.step_px, mask.step_px);
-        bgr(pixel).copyTo(picture(pixel));
+        const cv::Rect inside = pixel & cv::Rect({}, bgr.size());
+        bgr(inside).copyTo(picture(inside));
       }
-  cv::rectangle(picture,
-                {mask.x0_px, mask.y0_px, mask.width * mask.step_px, mask.height * mask.step_px},
-                kTipColor);
   return picture;
-}
-
-cv::Point2d point(const Eigen::Vector2d& px) { return {px.x(), px.y()}; }
-
-/// Every place that turns as sharply as a fingertip, and the valleys between the hand's fingers.
-void draw_extrema(cv::Mat& picture, const Stages& stages, const TrackResult& result) {
-  for (const Extremum& tip : stages.curvature.tips())
-    cv::circle(picture, point(stages.to_input(tip.at)), 6, kTipColor, 2, cv::LINE_AA);
-  for (const Tip& valley : result.valleys)
-    if (valley.seen)
-      cv::drawMarker(picture, point(valley.px), kValleyColor, cv::MARKER_SQUARE, 11, 3,
-                     cv::LINE_AA);
-}
-
-/// The ellipse around each fingertip and the tip that was measured with it.
-void draw_ellipses(cv::Mat& picture, const Stages& stages, const TrackResult& result) {
-  for (const Extremum& tip : stages.curvature.tips()) {
-    Ellipse ellipse;
-    const float arc = float(tip.sample) * stages.curvature.spacing();
-    const bool used = std::ranges::any_of(result.tips, [&](const Tip& t) {
-      return t.seen && (t.px - stages.to_input(tip.at)).norm() <
-                           stages.hand_mask.step_px * stages.shape.finger_width;
-    });
-    if (!used || !fit_tip_ellipse(stages.contour, arc, stages.shape.finger_width, ellipse))
-      continue;
-    const double angle_deg = std::atan2(ellipse.axis.y(), ellipse.axis.x()) * 180 / CV_PI;
-    const double size = 2.0 * stages.hand_mask.step_px;
-    cv::ellipse(
-        picture,
-        cv::RotatedRect(point(stages.to_input(ellipse.center)),
-                        cv::Size2d(size * ellipse.major, size * ellipse.minor), float(angle_deg)),
-        kEllipseColor, 2, cv::LINE_AA);
-  }
-}
-
-void draw_axes(cv::Mat& picture, const TrackResult& result) {
-  for (const FingerAxis& axis : result.axes)
-    if (axis.seen)
-      cv::line(picture, point(axis.end_px), point(axis.root_px), kValleyColor, 2, cv::LINE_AA);
 }
 
 }  // namespace
@@ -167,40 +84,31 @@ std::optional<FrameSet> parse_frames(const std::string& text) {
   }
 }
 
-void DebugPictures::prepare(const HandTracker& tracker) {
-  const auto ratios = tracker.color_ratios();
-  ratios_.assign(ratios.begin(), ratios.end());
-}
-
 void DebugPictures::save(const cv::Mat& picture, const char* stage) const {
   char name[64];
   std::snprintf(name, sizeof name, "frame_%06lld_%s.png", static_cast<long long>(frame_), stage);
   io::write_picture(folder_.file(name), picture);
 }
 
-void DebugPictures::write(const cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,
-                          const FingertipConfig& fingertips, const Camera& camera,
-                          const TrackResult& result) {
+void DebugPictures::write(const cv::Mat& bgr, std::int64_t frame, const AnyTracker& tracker,
+                          const Camera& camera, const TrackResult& result) {
   frame_ = frame;
   save(bgr, "1_input");
-  save(likelihood(bgr, ratios_), "2_likelihood");
-  if (tracker.mask().width == 0 || !result.layout) return;
-  const Stages stages(tracker, fingertips, result);
-  save(region(bgr, stages.hand_mask), "3_region");
-  cv::Mat picture = 0.5 * bgr;
-  draw_contour(picture, tracker.contour_px());
-  cv::Mat with_extrema = picture.clone();
-  draw_extrema(with_extrema, stages, result);
-  save(with_extrema, "4_contour");
-  draw_axes(picture, result);
-  draw_ellipses(picture, stages, result);
+  if (const FrameEvidence* evidence = tracker.evidence()) {
+    cv::Mat picture = bgr.clone();
+    draw_candidates(picture, evidence->candidates);
+    if (!evidence->candidates.empty()) save(picture, "2_candidates");
+    picture = 0.7 * bgr;
+    draw_outline(picture, evidence->outline);
+    if (!evidence->outline.empty()) save(picture, "3_outline");
+  }
+  const HandMask mask = tracker.mask();
+  if (mask.width == 0) return;
+  save(region(bgr, mask), "4_region");
+  cv::Mat picture = bgr.clone();
   draw_tips(picture, result);
-  save(picture, "5_fingertips");
-  if (!result.pose) return;
-  picture = bgr.clone();
-  draw_tips(picture, result);
-  draw_axes(picture, camera, result.pose->T_camera_hand);
-  save(picture, "6_pose");
+  if (result.pose) draw_axes(picture, camera, result.pose->T_camera_hand);
+  save(picture, "5_pose");
 }
 
 }  // namespace handyar::cli

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "handyar/tracker.hpp"
+#include "handyar/any_tracker.hpp"
 #include "output_folder.hpp"
 
 namespace handyar::cli {
@@ -22,26 +22,24 @@ struct FrameSet {
 };
 std::optional<FrameSet> parse_frames(const std::string& text);
 
-/// The stages of chosen frames as PNG files: frame_000050_1_input.png, _2_likelihood, and where a
-/// hand was seen _3_region, _4_contour, _5_fingertips, _6_pose (docs/method.md shows them).
+/// What the tracker saw in chosen frames, as PNG files: frame_000050_1_input.png, where the finder
+/// looked _2_candidates, and where there is a hand _3_outline, _4_region, _5_pose (docs/method.md
+/// shows them).
 class DebugPictures {
  public:
   /// Makes the folder; throws io::Error when files cannot be written to it.
   explicit DebugPictures(const std::string& folder) : folder_(folder, {"frame.png"}) {}
 
-  /// Before the tracker processes a chosen frame: keeps what it will be segmented with.
-  void prepare(const HandTracker& tracker);
-
-  /// After it has. `camera` is the one of this picture size. Throws io::Error.
-  void write(const cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,
-             const FingertipConfig& fingertips, const Camera& camera, const TrackResult& result);
+  /// After the tracker has processed the frame. `camera` is the one of this picture size. Throws
+  /// io::Error.
+  void write(const cv::Mat& bgr, std::int64_t frame, const AnyTracker& tracker,
+             const Camera& camera, const TrackResult& result);
 
  private:
   void save(const cv::Mat& picture, const char* stage) const;
 
   OutputFolder folder_;
   std::int64_t frame_ = 0;
-  std::vector<std::int8_t> ratios_;
 };
 
 }  // namespace handyar::cli

@@ -11,17 +11,16 @@
 namespace handyar::cli {
 namespace {
 
-int demo(const std::string& folder_path, const std::string& skin_file) {
+int demo(const std::string& folder_path) {
   const OutputFolder folder(folder_path, {"poses.csv", "annotated.mp4"});
   TrackingRun run;
   run.input = "sample";
   run.camera_file = io::data_file("sample/camera.yml");
   run.hand_file = io::data_file("sample/hand.json");
-  run.skin_file = skin_file;
   run.poses_out = folder.file("poses.csv");
   run.video_out = folder.file("annotated.mp4");
   ObjectOnHand teapot("teapot", 0.09);
-  run.overlay = [&](cv::Mat& bgr, std::int64_t, const HandTracker& tracker, const Camera& camera,
+  run.overlay = [&](cv::Mat& bgr, std::int64_t, const AnyTracker& tracker, const Camera& camera,
                     const TrackResult& result) { teapot.draw(bgr, tracker, camera, result); };
 
   const Summary summary = track(run);
@@ -38,10 +37,8 @@ Command add_demo(CLI::App& app) {
   options->add_option("--out", *folder, "Folder for the annotated video and the poses")
       ->type_name("DIR")
       ->capture_default_str();
-  const auto skin = std::make_shared<std::string>();
-  options->add_option("--skin", *skin, kSkinHelp)->type_name("FILE");
   options->footer("Example:\n  handyar demo --out /tmp/handyar-demo");
-  return {options, [folder, skin] { return demo(*folder, *skin); }};
+  return {options, [folder] { return demo(*folder); }};
 }
 
 }  // namespace handyar::cli

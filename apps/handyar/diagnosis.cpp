@@ -7,14 +7,12 @@
 namespace handyar::cli {
 namespace {
 
-constexpr int kSamples = 2000;       // a frame; some will do
-constexpr int kGreyChroma = 10;      // between a pixel's channels: less is noise
-constexpr double kDarkLuma = 45;     // mean of a picture
-constexpr double kSomeSkin = 0.005;  // share of a picture, the least that a hand takes
-constexpr double kMuchSkin = 0.6;    // and more than an open hand does
+constexpr int kSamples = 2000;     // a frame; some will do
+constexpr double kDarkLuma = 45;   // mean of a picture
+constexpr double kMuchSkin = 0.6;  // share of a picture, more than an open hand takes
 
 struct Look {
-  double colorful = 0, skin = 0, luma = 0;
+  double skin = 0, luma = 0;
 };
 
 // Skin of every tone is redder than it is yellow, and yellower than it is blue.
@@ -29,12 +27,9 @@ Look look_at(const cv::Mat& bgr) {
   for (int y = step / 2; y < bgr.rows; y += step)
     for (int x = step / 2; x < bgr.cols; x += step, ++count) {
       const cv::Vec3b& p = bgr.at<cv::Vec3b>(y, x);
-      const auto [low, high] = std::minmax({p[0], p[1], p[2]});
-      look.colorful += high - low > kGreyChroma;
       look.skin += like_skin(p[2], p[1], p[0]);
       look.luma += 0.299 * p[2] + 0.587 * p[1] + 0.114 * p[0];
     }
-  look.colorful /= count;
   look.skin /= count;
   look.luma /= count;
   return look;
@@ -48,9 +43,7 @@ void Diagnosis::look(const cv::Mat& bgr, const TrackResult& result) {
   acquiring_ += result.state == State::acquiring;
   if (result.state == State::tracking) return;
   const Look look = look_at(bgr);
-  grey_ += look.colorful < kSomeSkin;
   dark_ += look.luma < kDarkLuma;
-  skin_ += look.skin >= kSomeSkin;
   filled_ += look.skin >= kMuchSkin;
 }
 
@@ -59,14 +52,11 @@ std::string Diagnosis::missing(const std::string& hand_file) const {
   const auto mostly = [this](std::int64_t count) { return 2 * count > frames_; };
   const bool seen = 20 * acquiring_ >= frames_;
   if (mostly(dark_) && !seen) return "the pictures are too dark";
-  if (mostly(grey_)) return "the pictures are grey, and a hand is told by its colour";
   if (seen && !hand_file.empty())
     return "a hand was seen that does not fit " + hand_file + "; without --hand any hand will do";
   if (seen) return "a hand was seen, but not for long: spread the fingers and hold it still";
   if (mostly(filled_)) return "the hand fills the picture, it is too near";
-  if (!mostly(skin_))
-    return "no skin-coloured region was seen: more light will help, or learn-color for a glove";
-  return "skin colours were seen, but no open hand: show all five fingers, spread";
+  return "no open hand was seen: show all five fingers, spread";
 }
 
 }  // namespace handyar::cli

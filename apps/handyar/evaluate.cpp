@@ -7,7 +7,6 @@
 
 #include "command.hpp"
 #include "handyar/evaluation/report.hpp"
-#include "handyar/io/skin_file.hpp"
 #include "output_folder.hpp"
 
 namespace handyar::cli {
@@ -39,7 +38,7 @@ std::string command_line() {
 struct Evaluation {
   std::vector<std::string> sequences;
   SequenceOptions options;
-  std::string stills, report, skin_file;
+  std::string stills, report;
   std::string board;
   double square_mm = 0, aruco_mm = 0, apriltag_mm = 0;
   std::string aruco_dictionary = "DICT_4X4_50";
@@ -48,7 +47,6 @@ struct Evaluation {
 /// What the options say of the person and of the prints in view.
 SequenceOptions sequence_options(const Evaluation& e) {
   SequenceOptions o = e.options;
-  if (!e.skin_file.empty()) o.skin = io::read_skin(e.skin_file);
   if (!e.board.empty()) {
     const auto grid = parse_grid(e.board);
     if (!grid) throw WrongUsage("--board " + e.board + " is not like 8x6, from 3x3 to 50x50");
@@ -65,7 +63,7 @@ int evaluate(const Evaluation& e) {
     throw WrongUsage("nothing to evaluate: give a SEQUENCE or --stills");
   if (e.report.empty()) throw WrongUsage("--report: the folder's name is empty");
   const fs::path report = e.report;
-  require_distinct_files({e.stills, e.skin_file, e.options.camera_file, e.options.hand_file},
+  require_distinct_files({e.stills, e.options.camera_file, e.options.hand_file},
                          {report / "report.html", report / "errors.csv", report / "stills.csv",
                           report / "tables.csv"});
   // What goes in is known to be good before anything is made, and all that before the long work.
@@ -85,7 +83,7 @@ int evaluate(const Evaluation& e) {
   if (!photographs.empty()) {
     ProgressLine line("stills: ");
     stills =
-        track_stills(photographs, options.skin, [&](int done, int of) { line.show(done, of); });
+        track_stills(photographs, [&](int done, int of) { line.show(done, of); });
   }
   const RunDescription run{command_line(), HANDYAR_VERSION};
   for (const std::string& note : write_report(e.report, run, analyses, stills))
@@ -116,7 +114,6 @@ Command add_evaluate(CLI::App& app) {
       ->required();
   options->add_option("--camera", e->options.camera_file, "Camera file (YAML) for all of them");
   options->add_option("--hand", e->options.hand_file, "Hand file (JSON) for all of them");
-  options->add_option("--skin", e->skin_file, kSkinHelp);
   options->add_option("--board", e->board, "Checkerboard in view, inner corners, e.g. 8x6");
   options->add_option("--square-mm", e->square_mm, "Side of its squares")->check(between(1, 10000));
   options->add_option("--aruco-mm", e->aruco_mm, "Side of an ArUco marker in view")

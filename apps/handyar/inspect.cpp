@@ -20,7 +20,7 @@ constexpr const char* kExamples =
     "  handyar inspect desk.mp4 --scene scene.json --video out.mp4 --events events.jsonl";
 
 int inspect(TrackingRun run, const std::string& scene_file, const std::string& events_file) {
-  require_distinct_files({run.input, run.camera_file, run.hand_file, run.skin_file, scene_file},
+  require_distinct_files({run.input, run.camera_file, run.hand_file, scene_file},
                          {run.video_out, events_file});
   const render::Scene scene = render::read_scene(scene_file);
   for (const render::SceneObject& object : scene.objects)
@@ -32,7 +32,7 @@ int inspect(TrackingRun run, const std::string& scene_file, const std::string& e
   run.annotated = false;
   bool begun = false;
   const bool pictures = run.show || !run.video_out.empty();
-  run.overlay = [&](cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,
+  run.overlay = [&](cv::Mat& bgr, std::int64_t frame, const AnyTracker& tracker,
                     const Camera& camera, const TrackResult& result) {
     begun = true;
     const auto hand = render::HandInView::of(tracker, result);

@@ -45,7 +45,7 @@ int run(int argc, char** argv) {
   app.footer(kExamples);
   const Command commands[] = {
       add_demo(app),    add_track(app),    add_inspect(app),     add_calibrate(app), add_board(app),
-      add_cameras(app), add_evaluate(app), add_learn_color(app), add_setup(app),
+      add_cameras(app), add_evaluate(app), add_setup(app),
   };
   try {
     app.parse(argc, argv);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "handyar/any_tracker.hpp"
 #include "handyar/render/hand_overlay.hpp"
 
 namespace handyar::cli {
@@ -18,7 +19,7 @@ class ObjectOnHand {
   ObjectOnHand(const std::string& model, double size_m);
 
   void next();
-  void draw(cv::Mat& bgr, const HandTracker& tracker, const Camera& camera,
+  void draw(cv::Mat& bgr, const AnyTracker& tracker, const Camera& camera,
             const TrackResult& result) {
     if (overlay_) overlay_->draw(bgr, camera, tracker, result);
   }

@@ -21,14 +21,14 @@ constexpr const char* kExamples =
     "  handyar track sample --video annotated.mp4 --model bunny\n\n"
     "Ctrl-C finishes the files; the exit code is then 130 for a file, 0 for a live camera.";
 
-const std::map<std::string, FingertipMethod> kFingertipMethods = {
-    {"curvature", FingertipMethod::curvature}, {"ellipse", FingertipMethod::ellipse}};
-const std::map<std::string, PoseMethod> kPoseMethods = {
-    {"tips", PoseMethod::tips}, {"points", PoseMethod::points}, {"outline", PoseMethod::outline}};
+const std::map<std::string, Method> kMethods = {{"figure", Method::figure},
+                                                {"paper", Method::paper}};
+const std::map<std::string, paper::FingertipMethod> kFingertipMethods = {
+    {"curvature", paper::FingertipMethod::curvature}, {"ellipse", paper::FingertipMethod::ellipse}};
 
 // The options as they are typed, where that is not how the tracker has them.
 struct Choices {
-  std::string processing = "full", fingertips = "ellipse", pose = "outline";
+  std::string method = "figure", processing = "full", fingertips = "ellipse";
   bool no_filter = false, no_timings = false, no_annotation = false;
   std::string model, debug_frames, camera_size;
   double model_mm = 90;
@@ -59,7 +59,7 @@ void stand_on_hand(const Choices& choices, TrackingRun& run) {
   if (choices.model.empty() && !run.show) return;
   const auto object = std::make_shared<ObjectOnHand>(choices.model, choices.model_mm / 1000);
   run.next_object = [object] { object->next(); };
-  run.overlay = [object](cv::Mat& bgr, std::int64_t, const HandTracker& tracker,
+  run.overlay = [object](cv::Mat& bgr, std::int64_t, const AnyTracker& tracker,
                          const Camera& camera,
                          const TrackResult& result) { object->draw(bgr, tracker, camera, result); };
 }
@@ -108,17 +108,18 @@ Command add_track(CLI::App& app) {
       ->type_name("DIR");
   options->add_option("--debug-frames", choices->debug_frames, "Of these frames only: 10,50-60")
       ->type_name("FRAMES");
-  options->add_option("--processing", choices->processing, "Work at full or half the input's size")
-      ->check(CLI::IsMember({"full", "half"}))
-      ->capture_default_str();
-  options->add_option("--fingertips", choices->fingertips, "How fingertips are measured")
-      ->check(CLI::IsMember(kFingertipMethods))
+  options
+      ->add_option("--method", choices->method,
+                   "figure lays a 3-D hand on the picture; paper is the method of 2007 as written")
+      ->check(CLI::IsMember(kMethods))
       ->capture_default_str();
   options
-      ->add_option("--pose", choices->pose,
-                   "From all points of the hand and the fingers' sides, from the points alone, or "
-                   "from the rigid tips alone, as in the paper")
-      ->check(CLI::IsMember(kPoseMethods))
+      ->add_option("--processing", choices->processing,
+                   "With --method paper: at full or half the input's size")
+      ->check(CLI::IsMember({"full", "half"}))
+      ->capture_default_str();
+  options->add_option("--fingertips", choices->fingertips, "With --method paper: how fingertips are measured")
+      ->check(CLI::IsMember(kFingertipMethods))
       ->capture_default_str();
   options->add_flag("--no-annotation", choices->no_annotation,
                     "Leave contour, fingertips and axes off the pictures");
@@ -127,10 +128,10 @@ Command add_track(CLI::App& app) {
                     "Leave the milliseconds out: the same input then gives the same file");
   options->footer(kExamples);
   return {options, [run, choices] {
-            run->config.half_resolution = choices->processing == "half";
-            run->config.fingertips.method = kFingertipMethods.at(choices->fingertips);
-            run->config.pose.method = kPoseMethods.at(choices->pose);
-            run->config.filter.enabled = !choices->no_filter;
+            run->method = kMethods.at(choices->method);
+            run->paper_config.half_resolution = choices->processing == "half";
+            run->paper_config.fingertips = kFingertipMethods.at(choices->fingertips);
+            run->paper_config.filter.enabled = run->config.filter.enabled = !choices->no_filter;
             run->timings = !choices->no_timings;
             run->annotated = !choices->no_annotation;
             if (run->input.empty()) run->input = remembered().input;

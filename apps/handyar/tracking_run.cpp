@@ -17,7 +17,6 @@
 #include "handyar/io/hand_file.hpp"
 #include "handyar/io/pose_csv.hpp"
 #include "handyar/io/recording.hpp"
-#include "handyar/io/skin_file.hpp"
 #include "handyar/io/video_writer.hpp"
 #include "remembered.hpp"
 #include "viewer.hpp"
@@ -61,6 +60,17 @@ HandModel hand_of(const TrackingRun& run, Notes& notes) {
   }
   notes.push_back("no --hand: the average adult hand is assumed, and with it the scale");
   return average_adult_hand();
+}
+
+AnyTracker make_tracker(const TrackingRun& run, const Camera& camera, const HandModel& hand) {
+  if (run.method == Method::paper) {
+    paper::Config config = run.paper_config;
+    if (run.timings) config.now_s = steady_now_s;
+    return paper::Tracker(camera, hand, config);
+  }
+  Config config = run.config;
+  if (run.timings) config.now_s = steady_now_s;
+  return HandTracker(camera, hand, config);
 }
 
 // Everything a run writes or shows; opened before the first frame is tracked, so that what cannot
@@ -148,14 +158,14 @@ class Pictures {
  public:
   Pictures(const TrackingRun& run, Outputs& outputs) : run_(run), outputs_(outputs) {}
 
-  bool show(const io::Frame& frame, const HandTracker& tracker, const Camera& camera,
+  bool show(const io::Frame& frame, const AnyTracker& tracker, const Camera& camera,
             const TrackResult& result, double wait_s) {
     frame.bgr.copyTo(picture_);
     std::optional<Viewer>& viewer = outputs_.viewer;
     const bool mirrored = viewer ? viewer->mirrored() : run_.mirrored;
     const std::string& missing = hint_.update(frame.bgr, result, run_.hand_file);
     if (viewer ? viewer->annotated() : run_.annotated)
-      annotate(picture_, tracker, camera, result, mirrored, missing);
+      annotate(picture_, tracker.mask(), camera, result, mirrored, missing);
     if (run_.overlay) run_.overlay(picture_, frame.index, tracker, camera, result);
     if (mirrored) cv::flip(picture_, picture_, 1);
     if (outputs_.video) outputs_.video->write(picture_, frame.time_s);
@@ -172,7 +182,7 @@ class Pictures {
 };
 
 void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& camera,
-               HandTracker& tracker, Outputs& outputs, Summary& summary) {
+               AnyTracker& tracker, Outputs& outputs, Summary& summary) {
   std::vector<double> times_ms;
   ProgressLine progress;
   io::Frame frame;
@@ -186,7 +196,6 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
   };
   while (interrupt() == 0 && source.read(frame)) {
     const bool debugged = outputs.debug && run.debug_frames.contains(frame.index);
-    if (debugged) outputs.debug->prepare(tracker);
     const TrackResult result = tracker.process(frame.view(), frame.time_s);
     if (result.status != FrameStatus::ok) {
       throw io::Error(source.info().name, "frame " + std::to_string(frame.index) + ": " +
@@ -197,8 +206,7 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
     summary.tracked += result.state == State::tracking;
     if (run.timings) times_ms.push_back(result.times.total_ms);
     if (outputs.poses) outputs.poses->write(frame.index, result);
-    if (debugged)
-      outputs.debug->write(frame.bgr, frame.index, tracker, run.config.fingertips, camera, result);
+    if (debugged) outputs.debug->write(frame.bgr, frame.index, tracker, camera, result);
     if (outputs.recording) outputs.recording->write(frame.bgr, frame.time_s);
     if (outputs.events) changes.tell(*outputs.events, frame.index, result);
     if (summary.tracked == 0) diagnosis.look(frame.bgr, result);
@@ -224,11 +232,10 @@ void add_tracker_files(CLI::App* options, TrackingRun& run) {
   options
       ->add_option("--hand", run.hand_file, "Hand file (JSON), or average, the average adult hand")
       ->type_name("FILE");
-  options->add_option("--skin", run.skin_file, kSkinHelp)->type_name("FILE");
 }
 
 Summary track(const TrackingRun& run) {
-  require_distinct_files({run.input, run.camera_file, run.hand_file, run.skin_file},
+  require_distinct_files({run.input, run.camera_file, run.hand_file},
                          {run.poses_out, run.video_out, run.events_out, run.record_out});
   const std::unique_ptr<io::FrameSource> source = io::open_input(run.input, run.camera_settings);
   Notes notes;
@@ -239,14 +246,11 @@ Summary track(const TrackingRun& run) {
   }
   const Camera camera = camera_of(run, source->info(), notes);
   const HandModel hand = hand_of(run, notes);
-  Config config = run.config;
-  if (!run.skin_file.empty()) config.skin.personal = io::read_skin(run.skin_file);
-  if (run.timings) config.now_s = steady_now_s;
   catch_interrupts();  // from here on there are files to finish
   Outputs outputs(run, source->info());
   for (const std::string& note : notes) std::cerr << "handyar: " << note << '\n';
 
-  HandTracker tracker(camera, hand, config);
+  AnyTracker tracker = make_tracker(run, camera, hand);
   Summary summary;
   summary.live = source->info().live;
   try {

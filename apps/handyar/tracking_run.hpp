@@ -9,33 +9,35 @@
 #include "command.hpp"
 #include "debug_pictures.hpp"
 #include "handyar/io/frame_source.hpp"
-#include "handyar/tracker.hpp"
+#include "handyar/any_tracker.hpp"
 
 namespace handyar::cli {
 
 /// What to draw on a frame after the annotation: an object on the hand, which covers the lines on
 /// it. Called for every frame in turn, also when no picture is wanted.
-using Overlay = std::function<void(cv::Mat& bgr, std::int64_t frame, const HandTracker& tracker,
+using Overlay = std::function<void(cv::Mat& bgr, std::int64_t frame, const AnyTracker& tracker,
                                    const Camera& camera, const TrackResult& result)>;
 
 /// One run of the tracker over an input; an empty name: not wanted.
 struct TrackingRun {
   std::string input;
   io::CameraSettings camera_settings;
-  std::string camera_file, hand_file, skin_file;
+  std::string camera_file, hand_file;
   std::string poses_out, video_out, events_out, record_out;
   std::string debug_folder;  ///< for the stages of `debug_frames`
   FrameSet debug_frames;
   bool show = false;
   bool timings = true;
-  Config config;
+  Method method = Method::figure;
+  Config config;               ///< of Method::figure
+  paper::Config paper_config;  ///< of Method::paper
   Overlay overlay;
   std::function<void()> next_object;  ///< what the key for another object does
   bool annotated = true;              ///< contour, fingertips and axes on the pictures
   bool mirrored = false;              ///< the pictures, as one sees oneself
 };
 
-/// The options --camera, --hand and --skin of a subcommand that tracks.
+/// The options --camera and --hand of a subcommand that tracks.
 void add_tracker_files(CLI::App* options, TrackingRun& run);
 
 struct Summary {

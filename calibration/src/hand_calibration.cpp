@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "finger_axes.hpp"
 #include "handyar/calibration/camera_calibration.hpp"
-#include "outline.hpp"
+#include "handyar/stages/hand_figure.hpp"
 #include "text.hpp"
 
 namespace handyar {
@@ -139,7 +138,7 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
   const Eigen::Vector3d up = -Eigen::Vector3d::UnitZ();  // out of the board
   const Sights sights = choose_views(views, camera, board);
   const auto tip_tracks = tracks(views, sights.views, &CalibrationView::tips);
-  const auto valley_tracks = tracks(views, sights.views, &CalibrationView::valleys);
+  const auto web_tracks = tracks(views, sights.views, &CalibrationView::webs);
   const auto& poses = sights.T_camera_board;
 
   HandCalibration out;
@@ -149,22 +148,12 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
   require_still(out.tips, tip_tracks, poses, camera);
   out.plane_tips = on_plane(tip_tracks, poses, camera, thickness_m);
 
-  HandPoints points{.tips_m = out.tips.p_m, .has_valleys = seen_often(valley_tracks)};
-  HandPoints plane_points{.tips_m = out.plane_tips.p_m, .has_valleys = points.has_valleys};
-  if (points.has_valleys) {
-    points.valleys_m = triangulate(valley_tracks, poses, camera).p_m;
-    plane_points.valleys_m = on_plane(valley_tracks, poses, camera, thickness_m).p_m;
+  HandPoints points{.tips_m = out.tips.p_m, .has_webs = seen_often(web_tracks)};
+  HandPoints plane_points{.tips_m = out.plane_tips.p_m, .has_webs = points.has_webs};
+  if (points.has_webs) {
+    points.webs_m = triangulate(web_tracks, poses, camera).p_m;
+    plane_points.webs_m = on_plane(web_tracks, poses, camera, thickness_m).p_m;
   }
-  // Now that it is known which way each finger points, tips and webs count as round.
-  const Eigen::Isometry3d T_board_flat = hand_frame(points, up);
-  const HandModel flat = hand_model(points, T_board_flat);
-  out.tips = triangulate(tip_tracks, poses, camera, T_board_flat.linear() * flat.directions(),
-                         kTipRadius_m);
-  points.tips_m = out.tips.p_m;
-  if (points.has_valleys)
-    points.valleys_m = triangulate(valley_tracks, poses, camera,
-                                   T_board_flat.linear() * flat.valley_directions(), kWebRadius_m)
-                           .p_m;
   out.T_board_hand = hand_frame(points, up);
   out.by_triangulation = hand_model(points, out.T_board_hand);
   out.by_plane = hand_model(plane_points, hand_frame(plane_points, up));
@@ -179,11 +168,7 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
     const Eigen::Matrix3d c = R_hand_board * out.tips.covariance_m2[k] * R_hand_board.transpose();
     out.by_triangulation.tips_sigma_m.col(k) = c.diagonal().cwiseSqrt();
   }
-  std::vector<Eigen::Isometry3d> T_camera_hand;
-  for (const Eigen::Isometry3d& T : poses) T_camera_hand.push_back(T * out.T_board_hand);
-  triangulate_axes(views, sights.views, T_camera_hand, camera, out.by_triangulation);
-  out.by_triangulation.outline_m =
-      measure_outline(views, sights.views, poses, camera, out.T_board_hand, out.by_triangulation);
+  out.by_triangulation.figure = estimate_figure(out.by_triangulation);
   out.rms_difference_m =
       std::sqrt((out.tips.p_m - out.plane_tips.p_m).topRows<2>().colwise().squaredNorm().mean());
   return out;

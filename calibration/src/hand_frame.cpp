@@ -54,8 +54,8 @@ Eigen::Isometry3d hand_frame(const HandPoints& points, const Eigen::Vector3d& ou
   const Eigen::Vector3d z = tips_normal(points.tips_m, outwards);
   const Eigen::Vector3d middle = points.tips_m.col(kMiddle);
   Eigen::Vector3d along;
-  if (points.has_valleys) {
-    along = middle - (points.valleys_m.col(kMiddle - 1) + points.valleys_m.col(kMiddle)) / 2;
+  if (points.has_webs) {
+    along = middle - (points.webs_m.col(kMiddle - 1) + points.webs_m.col(kMiddle)) / 2;
   } else {
     const Eigen::Vector3d u = z.unitOrthogonal(), v = z.cross(u);
     Tips2 in_plane;
@@ -78,10 +78,6 @@ HandModel hand_model(const HandPoints& points, const Eigen::Isometry3d& T_points
   HandModel m;
   const Eigen::Isometry3d T_hand_points = T_points_hand.inverse();
   for (int k = 0; k < kFingerCount; ++k) m.tips_m.col(k) = T_hand_points * points.tips_m.col(k);
-  m.has_valleys = points.has_valleys;
-  if (m.has_valleys)
-    for (int k = 0; k < kValleyCount; ++k)
-      m.valleys_m.col(k) = T_hand_points * points.valleys_m.col(k);
   m.layout = m.tips_m(0, 0) > 0 ? Layout::thumb_right : Layout::thumb_left;
   return m;
 }

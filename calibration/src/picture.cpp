@@ -3,6 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "handyar/stages/hand_figure.hpp"
 #include "text.hpp"
 
 namespace handyar {
@@ -13,7 +14,7 @@ constexpr double kMargin_m = 0.025;
 constexpr int kShift = 4;  // OpenCV draws with 1/16 pixel
 
 const cv::Scalar kInk(40, 40, 40), kTipColour(200, 90, 20), kAxisX(60, 60, 220),
-    kAxisY(60, 160, 60), kOutline(150, 175, 215), kValley(40, 140, 220), kPlane(170, 60, 170);
+    kAxisY(60, 160, 60), kFigure(150, 175, 215), kPlane(170, 60, 170);
 
 // Drawing in metres of a plane looked at from above: with a board its x to the right, y down.
 class Plane {
@@ -88,6 +89,29 @@ void draw_board(Plane& plane, const Board& board) {
       if ((i + j) % 2 == 0) plane.polygon(square(i * s, j * s, s), cv::Scalar(120, 120, 120), true);
 }
 
+// The hulls of the figure, seen from above.
+void draw_figure(Plane& plane, const HandModel& hand, const Placed& placed) {
+  const HandFigure figure = make_figure(hand.figure->mean, Face::palm, hand.layout);
+  constexpr int kSteps = 24;
+  for (const auto& hull : figure_hulls()) {
+    std::vector<cv::Point2f> rims;
+    for (const int sphere : hull) {
+      if (sphere < 0) continue;
+      const Eigen::Vector3d centre = figure.centres_m.col(sphere);
+      for (int i = 0; i < kSteps; ++i) {
+        const double a = 2 * CV_PI * i / kSteps, r = figure.radii_m[sphere];
+        const Eigen::Vector2d p = placed(centre.x() + r * std::cos(a), centre.y() + r * std::sin(a));
+        rims.emplace_back(p.x(), p.y());
+      }
+    }
+    std::vector<cv::Point2f> around;
+    cv::convexHull(rims, around);
+    std::vector<Eigen::Vector2d> polygon;
+    for (const cv::Point2f& p : around) polygon.emplace_back(p.x, p.y);
+    plane.polygon(polygon, kFigure, true);
+  }
+}
+
 void draw_tips(Plane& plane, const HandModel& hand, const Placed& placed) {
   constexpr int kSteps = 48;
   for (int k = 0; k < kFingerCount; ++k) {
@@ -131,9 +155,7 @@ void write_caption(Plane& plane, const HandPicture& picture) {
 cv::Mat draw_hand(const HandPicture& picture) {
   const HandModel& hand = picture.hand;
   const Placed placed{picture.board ? picture.T_board_hand : Eigen::Isometry3d::Identity()};
-  std::vector<Eigen::Vector2d> outline, all;
-  for (const auto& p : hand.outline_m) outline.push_back(placed(p.x(), p.y()));
-  all = outline;
+  std::vector<Eigen::Vector2d> all;
   for (int k = 0; k < kFingerCount; ++k) all.push_back(placed(hand.tips_m.col(k)));
   all.push_back(placed(0, 0));
   if (picture.board) {
@@ -143,18 +165,9 @@ cv::Mat draw_hand(const HandPicture& picture) {
   }
   Plane plane(all, picture.board.has_value());
   if (picture.board) draw_board(plane, *picture.board);
-  if (!outline.empty()) {
-    plane.polygon(outline, kOutline, true);
-    plane.polygon(outline, cv::Scalar(110, 130, 170), false);
-  }
+  if (hand.figure) draw_figure(plane, hand, placed);
   draw_axes(plane, placed);
   draw_tips(plane, hand, placed);
-  if (hand.has_axes)
-    for (int k = 0; k < kFingerCount; ++k)
-      plane.polygon({placed(hand.axis_ends_m.col(k)), placed(hand.axis_roots_m.col(k))}, kValley,
-                    false);
-  if (hand.has_valleys)
-    for (int k = 0; k < kValleyCount; ++k) plane.dot(placed(hand.valleys_m.col(k)), 4, kValley);
   if (picture.plane_tips_board_m)
     for (int k = 0; k < kFingerCount; ++k)
       plane.cross(picture.plane_tips_board_m->col(k).head<2>(), kPlane);

@@ -13,13 +13,13 @@ constexpr int kThoroughEvery = 12;
 
 }  // namespace
 
-CalibrationView hand_view(const TrackResult& hand, std::span<const Eigen::Vector2f> contour_px) {
+CalibrationView hand_view(const TrackResult& result, const HandModel& learned) {
   CalibrationView v;
-  if (hand.state != State::acquiring && hand.state != State::tracking) return v;
-  v.tips = hand.tips;
-  v.valleys = hand.valleys;
-  v.axes = hand.axes;
-  v.contour_px.assign(contour_px.begin(), contour_px.end());
+  if (result.state != State::tracking || result.doubtful) return v;
+  v.tips = result.tips;
+  v.webs = result.webs;
+  if (result.raw_pose) v.T_camera_hand = result.raw_pose->T_camera_hand;
+  v.hand = learned;
   return v;
 }
 
@@ -36,11 +36,11 @@ std::vector<cv::Point2f> CalibrationSession::find(const cv::Mat& grey) {
   return corners;
 }
 
-const CalibrationView& CalibrationSession::add(const cv::Mat& bgr, const TrackResult& hand,
-                                               std::span<const Eigen::Vector2f> contour_px) {
+const CalibrationView& CalibrationSession::add(const cv::Mat& bgr, const TrackResult& result,
+                                               const HandModel& learned) {
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
-  CalibrationView v = hand_view(hand, contour_px);
+  CalibrationView v = hand_view(result, learned);
   v.corners_px = find(grey);
   if (v.board_seen()) v.blur_px = edge_width_px(grey, board_, v.corners_px);
   coverage_.add(v);

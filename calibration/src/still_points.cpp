@@ -29,19 +29,6 @@ double wander_m(const Eigen::Isometry3d& T_camera_board, const Eigen::Vector3d& 
   return kWander_m * (1 - std::abs(ray.dot(T_camera_board.linear().col(2))));
 }
 
-struct RoundEnds {
-  const Eigen::Matrix3Xd& directions;  // none: fixed points
-  double radius_m;
-
-  // What a view shows of point k, in the camera frame.
-  Eigen::Vector3d seen_m(const Eigen::Isometry3d& T_camera_board, const Eigen::Vector3d& p_m,
-                         int k) const {
-    if (directions.cols() == 0) return T_camera_board * p_m;
-    return outline_end_m(T_camera_board * p_m, T_camera_board.linear() * directions.col(k),
-                         radius_m, Eigen::Vector3d::Zero());
-  }
-};
-
 // Errors of a point in all views: pixels, and metres at the point.
 template <class Seen>
 void errors(const PixelTrack& track, std::span<const Eigen::Isometry3d> poses, const Camera& camera,
@@ -56,7 +43,7 @@ void errors(const PixelTrack& track, std::span<const Eigen::Isometry3d> poses, c
 }
 
 void judge(StillPoints& points, std::span<const PixelTrack> tracks,
-           std::span<const Eigen::Isometry3d> poses, const Camera& camera, const RoundEnds& ends) {
+           std::span<const Eigen::Isometry3d> poses, const Camera& camera) {
   const int n = static_cast<int>(tracks.size());
   points.error_m.resize(n);
   std::vector<double> all_px;
@@ -64,7 +51,7 @@ void judge(StillPoints& points, std::span<const PixelTrack> tracks,
     std::vector<double> m;
     errors(
         tracks[k], poses, camera,
-        [&](const auto& T) { return ends.seen_m(T, points.p_m.col(k), k); }, all_px, m);
+        [&](const auto& T) { return T * points.p_m.col(k); }, all_px, m);
     points.error_m[k] = quantile(m, kUsual);
   }
   std::sort(all_px.begin(), all_px.end());
@@ -76,13 +63,13 @@ void judge(StillPoints& points, std::span<const PixelTrack> tracks,
 
 // One robust Gauss-Newton step of all points together; returns the largest move (metres).
 double step(StillPoints& points, std::span<const PixelTrack> tracks,
-            std::span<const Eigen::Isometry3d> poses, const Camera& camera, const RoundEnds& ends) {
+            std::span<const Eigen::Isometry3d> poses, const Camera& camera) {
   const int n = static_cast<int>(tracks.size());
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(3 * n, 3 * n);
   Eigen::VectorXd g = Eigen::VectorXd::Zero(3 * n);
   for (int k = 0; k < n; ++k) {
     std::vector<double> px, m;
-    const auto seen = [&](const auto& T) { return ends.seen_m(T, points.p_m.col(k), k); };
+    const auto seen = [&](const auto& T) { return T * points.p_m.col(k); };
     errors(tracks[k], poses, camera, seen, px, m);
     // The median of the length of an error with two equal components is 1.18 of their sigma.
     const double sigma_px = std::max(quantile(px, 0.5) / 1.18, kLeastSigma_px);
@@ -149,20 +136,18 @@ StillPoints on_plane(std::span<const PixelTrack> tracks,
     }
     out.p_m.col(k) << quantile(x, 0.5), quantile(y, 0.5), -height_m;
   }
-  judge(out, tracks, T_camera_board, camera, {{}, 0});
+  judge(out, tracks, T_camera_board, camera);
   return out;
 }
 
 StillPoints triangulate(std::span<const PixelTrack> tracks,
-                        std::span<const Eigen::Isometry3d> T_camera_board, const Camera& camera,
-                        const Eigen::Matrix3Xd& directions, double radius_m) {
-  const RoundEnds ends{directions, radius_m};
+                        std::span<const Eigen::Isometry3d> T_camera_board, const Camera& camera) {
   constexpr double kFirstHeight_m = 0.01, kSmallMove_m = 1e-7;
   constexpr int kMaxSteps = 50;
   StillPoints out = on_plane(tracks, T_camera_board, camera, kFirstHeight_m);
   for (int i = 0; i < kMaxSteps; ++i)
-    if (step(out, tracks, T_camera_board, camera, ends) < kSmallMove_m) break;
-  judge(out, tracks, T_camera_board, camera, ends);
+    if (step(out, tracks, T_camera_board, camera) < kSmallMove_m) break;
+  judge(out, tracks, T_camera_board, camera);
   return out;
 }
 

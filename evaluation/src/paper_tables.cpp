@@ -33,13 +33,12 @@ void add_times(Table& t, const std::string& row, const std::string& resolution,
   t.add(row, resolution + " rate", with_rate ? 1e3 / s.median : kUnknown, "frames/s");
 }
 
-std::vector<double> stage_ms(std::span<const Analysis> analyses, bool half,
+std::vector<double> stage_ms(std::span<const Analysis> analyses, const char* method, bool half,
                              double StageTimes::*stage, bool only_tracked) {
   std::vector<double> ms;
   for (const Analysis& a : analyses)
     for (const Track& track : a.recording.tracks) {
-      if (track.half_resolution != half || track.method != a.recording.main_track().method)
-        continue;
+      if (track.half_resolution != half || track.method != method) continue;
       for (const TrackResult& r : track.results)
         if (!only_tracked || r.state == State::tracking) ms.push_back(r.times.*stage);
     }
@@ -75,8 +74,9 @@ Table table1(std::span<const Analysis> analyses, const std::string& sequence) {
       "table1",
       sequence,
       "Table 1: time a frame",
-      "Milliseconds of each stage on this machine, one thread, fingertips by the default method, "
-      "over the frames in which the hand is tracked; the last rows over every frame, the marker "
+      "Milliseconds of each stage on this machine, one thread, the paper's method with "
+      "ellipses, over the frames in which the hand is tracked; the last rows over every frame: the "
+      "default method, which lays a figure on the picture, and the marker "
       "systems on the same frames in the same run (colour conversion, detection, pose). Full: "
       "the input's size; half: half of it each way. Rate: frames a second at the median. "
       "Paper: 640x480 and 320x240 on a 1.8 GHz laptop of 2007.",
@@ -84,10 +84,16 @@ Table table1(std::span<const Analysis> analyses, const std::string& sequence) {
   for (const bool half : {false, true}) {
     const std::string resolution = half ? "half" : "full";
     for (const Stage& stage : kStages)
-      add_times(t, stage.row, resolution, stage_ms(analyses, half, stage.ms, true),
+      add_times(t, stage.row, resolution, stage_ms(analyses, kPaper, half, stage.ms, true),
                 stage.ms == &StageTimes::total_ms);
     add_times(t, "total, every frame", resolution,
-              stage_ms(analyses, half, &StageTimes::total_ms, false), true);
+              stage_ms(analyses, kPaper, half, &StageTimes::total_ms, false), true);
+    if (!half) {
+      add_times(t, "figure, tracking", resolution,
+                stage_ms(analyses, kFigure, half, &StageTimes::total_ms, true), true);
+      add_times(t, "figure, every frame", resolution,
+                stage_ms(analyses, kFigure, half, &StageTimes::total_ms, false), true);
+    }
     for (const char* system : {"ArUco", "AprilTag"})
       add_times(t, std::string(system) + ", detection and pose", resolution,
                 marker_ms(analyses, half, system), true);
@@ -109,11 +115,11 @@ Table table2(const Analysis& a) {
       "blocks of 15), in pixels of the input at both resolutions. Where truth is known also the "
       "median distance of the fingertips from the true ones.",
       {}};
-  const std::map<std::string, double> paper_px = {{"curvature", 7.96}, {"ellipse", 5.76}};
+  const std::map<std::string, double> paper_px = {{kPaperCurvature, 7.96}, {kPaper, 5.76}};
   for (std::size_t i = 0; i < a.tracks.size(); ++i) {
     const Track& track = a.recording.tracks[i];
     const std::string resolution = track.half_resolution ? "half" : "full";
-    const std::string row = track.method == "curvature" ? "curvature only" : track.method;
+    const std::string& row = track.method;
     if (!a.tracks[i].raw.blocks_px.empty()) {
       t.add(row, resolution + " board, raw pose", summarize(a.tracks[i].raw.blocks_px).mean, "px");
       t.add(row, resolution + " board, filtered", summarize(a.tracks[i].filtered.blocks_px).mean,
@@ -145,15 +151,11 @@ Table table3(const Analysis& a) {
       {}};
   if (!a.has_board()) return t;
   constexpr double kPaperFingertips_px = 5.86, kPaperMarker_px = 4.79;
-  add_row3(t, "fingertips, raw", a.main_track().raw, kUnknown);
-  add_row3(t, "fingertips, filtered", a.main_track().filtered, kPaperFingertips_px);
-  const std::map<std::string, std::string> other_poses = {
-      {kPoints, "without the fingers' sides, filtered"},
-      {kRigidTips, "fingertips alone, rigid, filtered"}};
+  add_row3(t, "figure, raw", a.main_track().raw, kUnknown);
+  add_row3(t, "figure, filtered", a.main_track().filtered, kUnknown);
   for (std::size_t i = 0; i < a.tracks.size(); ++i)
-    if (const auto row = other_poses.find(a.recording.tracks[i].method);
-        row != other_poses.end() && !a.recording.tracks[i].half_resolution)
-      add_row3(t, row->second, a.tracks[i].filtered, kPaperFingertips_px);
+    if (a.recording.tracks[i].method == kPaper && !a.recording.tracks[i].half_resolution)
+      add_row3(t, "paper, filtered", a.tracks[i].filtered, kPaperFingertips_px);
   for (std::size_t i = 0; i < a.markers.size(); ++i)
     if (!a.recording.markers[i].half_resolution)
       add_row3(t, a.recording.markers[i].system, a.markers[i], kPaperMarker_px);

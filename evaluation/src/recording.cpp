@@ -1,42 +1,53 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/evaluation/recording.hpp"
 
-#include <array>
+#include <algorithm>
 #include <chrono>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "handyar/any_tracker.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/frame_source.hpp"
 
 namespace handyar::evaluation {
 namespace {
 
-/// The library's methods, the default one first.
-struct Method {
-  const char* name;
-  FingertipMethod fingertips;
-  PoseMethod pose;
-};
-constexpr std::array<Method, 4> kMethods = {
-    {{"ellipse", FingertipMethod::ellipse, PoseMethod::outline},
-     {"curvature", FingertipMethod::curvature, PoseMethod::outline},
-     {kPoints, FingertipMethod::ellipse, PoseMethod::points},
-     {kRigidTips, FingertipMethod::ellipse, PoseMethod::tips}}};
 
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-HandTracker make_tracker(const Sequence& s, const Method& method, bool half_resolution) {
+HandTracker figure_tracker(const Sequence& s) {
   Config config;
-  config.half_resolution = half_resolution;
-  config.skin.personal = s.skin;
-  config.fingertips.method = method.fingertips;
-  config.pose.method = method.pose;
   config.now_s = now_s;
   return HandTracker(s.camera, s.hand, config);
+}
+
+paper::Tracker paper_tracker(const Sequence& s, paper::FingertipMethod fingertips, bool half) {
+  paper::Config config;
+  config.half_resolution = half;
+  config.fingertips = fingertips;
+  config.now_s = now_s;
+  return paper::Tracker(s.camera, s.hand, config);
+}
+
+/// The outer boundary of the hand, in pixels of the frame.
+std::vector<Eigen::Vector2f> contour_of(const HandMask& mask) {
+  std::vector<Eigen::Vector2f> contour;
+  if (mask.width == 0) return contour;
+  const cv::Mat pixels(mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.data),
+                       static_cast<std::size_t>(mask.stride_bytes));
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(pixels, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  const auto longest = std::max_element(outlines.begin(), outlines.end(), [](auto& a, auto& b) {
+    return a.size() < b.size();
+  });
+  if (longest == outlines.end()) return contour;
+  for (const cv::Point& p : *longest)
+    contour.emplace_back(mask.x0_px + p.x * mask.step_px, mask.y0_px + p.y * mask.step_px);
+  return contour;
 }
 
 /// One marker system at one resolution.
@@ -74,12 +85,10 @@ class Session {
   explicit Session(const Sequence& sequence) {
     recording_.sequence = sequence;
     if (sequence.board) board_.emplace(*sequence.board, sequence.camera);
+    add(kFigure, false, figure_tracker(sequence));
     for (const bool half : {false, true}) {
-      for (const Method& method : kMethods) {
-        if (method.pose == PoseMethod::points && !sequence.hand.has_axes) continue;  // the default
-        trackers_.push_back(make_tracker(sequence, method, half));
-        recording_.tracks.push_back({method.name, half, {}});
-      }
+      add(kPaper, half, paper_tracker(sequence, paper::FingertipMethod::ellipse, half));
+      add(kPaperCurvature, half, paper_tracker(sequence, paper::FingertipMethod::curvature, half));
       markers_.emplace_back("ArUco", half, make_aruco_finder(sequence.aruco));
       markers_.emplace_back("AprilTag", half, make_apriltag_finder(sequence.apriltag));
     }
@@ -96,8 +105,7 @@ class Session {
                         "frame " + std::to_string(frame.index) + ": " + describe(result.status));
       recording_.tracks[i].results.push_back(result);
     }
-    const auto contour = trackers_.front().contour_px();
-    recording_.contours_px.emplace_back(contour.begin(), contour.end());
+    recording_.contours_px.push_back(contour_of(trackers_.front().mask()));
     for (MarkerPass& pass : markers_) pass.process(frame.bgr, s.camera);
     recording_.board_views.emplace_back();
     if (board_) recording_.board_views.back() = board_->find(frame.bgr);
@@ -111,8 +119,13 @@ class Session {
   Recording& recording() { return recording_; }
 
  private:
+  void add(const char* method, bool half, AnyTracker tracker) {
+    trackers_.push_back(std::move(tracker));
+    recording_.tracks.push_back({method, half, {}});
+  }
+
   Recording recording_;
-  std::vector<HandTracker> trackers_;
+  std::vector<AnyTracker> trackers_;
   std::vector<MarkerPass> markers_;
   std::optional<BoardFinder> board_;
 };

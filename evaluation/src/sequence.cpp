@@ -84,7 +84,6 @@ Sequence open_sequence(const fs::path& given, const SequenceOptions& options) {
   find_camera(s, folder, options);
   find_hand(s, folder, options);
   find_prints(s, options);
-  s.skin = options.skin;
   return s;
 }
 

@@ -240,10 +240,8 @@ std::vector<Still> read_stills(const std::string& list) {
   return stills;
 }
 
-std::vector<StillResult> track_stills(const std::vector<Still>& stills, const SkinColors& skin,
-                                      const Progress& progress) {
-  Config config;
-  config.skin.personal = skin;
+std::vector<StillResult> track_stills(const std::vector<Still>& stills, const Progress& progress) {
+  const Config config;
   std::vector<StillResult> results;
   for (std::size_t i = 0; i < stills.size(); ++i) {
     results.push_back(judge(stills[i], config, i + 1));

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
-#include <vector>
 
 namespace handyar {
 
@@ -27,6 +27,19 @@ constexpr Layout opposite(Layout l) noexcept {
 /// Where a hand model's figures come from.
 enum class HandSource : std::uint8_t { checkerboard, average_adult, self, truth };
 
+/// A person's figure: coefficients of the principal components of many hands (tools/hand_figure),
+/// so that figure = mean + modes * coefficients. Those of a person drawn at random are independent
+/// and standard normal.
+inline constexpr int kFigureModes = 12;
+using FigureCoefficients = Eigen::Matrix<double, kFigureModes, 1>;
+
+/// A person's figure as far as it is known; the default: a person drawn at random.
+struct FigureEstimate {
+  FigureCoefficients mean = FigureCoefficients::Zero();
+  Eigen::Matrix<double, kFigureModes, kFigureModes> covariance =
+      Eigen::Matrix<double, kFigureModes, kFigureModes>::Identity();
+};
+
 /// Fingertip positions in the hand frame, in metres (paper 2.4 and Figure 5).
 ///
 /// Hand frame: origin at the x of the middle fingertip, the y of the thumb tip and the mean z of
@@ -43,19 +56,11 @@ struct HandModel {
   Eigen::Matrix<double, 3, kFingerCount> tips_sigma_m =
       Eigen::Matrix<double, 3, kFingerCount>::Zero();
 
-  // Measured by calibration since file format version 2, axes since 3; empty where unknown.
-  bool has_valleys = false;
-  Eigen::Matrix<double, 3, kValleyCount> valleys_m = Eigen::Matrix<double, 3, kValleyCount>::Zero();
-  /// Of each finger's axis, the line in the middle between its sides: a point near the fingertip
-  /// and one near the valleys.
-  bool has_axes = false;
-  Eigen::Matrix<double, 3, kFingerCount> axis_ends_m =
-      Eigen::Matrix<double, 3, kFingerCount>::Zero();
-  Eigen::Matrix<double, 3, kFingerCount> axis_roots_m =
-      Eigen::Matrix<double, 3, kFingerCount>::Zero();
-  std::vector<Eigen::Vector2d> outline_m;  ///< closed contour in the hand plane, wrist to wrist
-
   bool average_scale = false;  ///< the shape was measured, the size is the average adult's
+
+  /// The person's figure as far as it was learned (file format version 4); empty: what the tips
+  /// tell of it, see estimate_figure().
+  std::optional<FigureEstimate> figure;
 
   /// True when the metric size was not measured on this hand.
   bool scale_assumed() const noexcept {
@@ -64,17 +69,6 @@ struct HandModel {
 
   /// The same hand seen in `wanted`: x is mirrored where the layouts differ.
   HandModel for_layout(Layout wanted) const;
-
-  /// Where each finger turns when the fingers spread, in the hand plane: three tenths of its free
-  /// length behind its root between the valleys, or by an average hand's proportions where the
-  /// valleys are not known.
-  Eigen::Matrix<double, 2, kFingerCount> knuckles_m() const noexcept;
-
-  /// Unit directions of the fingers in the hand plane, knuckle to tip; z is 0.
-  Eigen::Matrix<double, 3, kFingerCount> directions() const noexcept;
-
-  /// Unit directions in the hand plane in which the valleys open: halfway between their fingers.
-  Eigen::Matrix<double, 3, kValleyCount> valley_directions() const noexcept;
 
   /// Where an object stands: the middle of the palm (or of the back of the hand). The hand frame's
   /// origin lies at the height of the thumb tip, where the fingers begin; from there the palm
@@ -88,21 +82,6 @@ struct HandModel {
   /// Distance from thumb tip to little fingertip.
   double span_m() const noexcept { return (tips_m.col(0) - tips_m.col(4)).norm(); }
 };
-
-/// A fingertip is round, so its outline does not end at a point of the finger: seen from any side
-/// it ends this far from a point within (the radius in which a finger ends, not its half width).
-inline constexpr double kTipRadius_m = 0.0035;
-/// So is the web between two fingers, from back to palm.
-inline constexpr double kWebRadius_m = 0.006;
-
-/// The sine below which a finger points at the eye and its outline has no end.
-inline constexpr double kEndOn = 0.2;
-
-/// Where the outline of a round end is as seen from `eye_m`, given where it is seen from straight
-/// above (`end_m`) and the unit direction in which the finger ends or the valley opens; all in one
-/// frame.
-Eigen::Vector3d outline_end_m(const Eigen::Vector3d& end_m, const Eigen::Vector3d& direction,
-                              double radius_m, const Eigen::Vector3d& eye_m) noexcept;
 
 /// From the crease of the wrist to the tip of the middle finger, of average_adult_hand().
 inline constexpr double kAverageHandLength_m = 0.187;

@@ -15,6 +15,7 @@
 #include "handyar/image_view.hpp"
 #include "handyar/pose.hpp"
 #include "handyar/pose_filter.hpp"
+#include "handyar/stages/hand_finder.hpp"
 
 namespace handyar {
 
@@ -26,7 +27,9 @@ enum class State : std::uint8_t {
 };
 std::string_view name(State state) noexcept;
 
-/// What each stage took, in milliseconds; all zero unless Config::now_s is set.
+/// What each stage took, in milliseconds; all zero unless Config::now_s is set. Segmentation is
+/// looking for the hand, or for how surely it is one; pose is laying the figure. Fingertips and
+/// matching are stages of the paper's method alone.
 struct StageTimes {
   double segmentation_ms = 0, fingertips_ms = 0, matching_ms = 0, pose_ms = 0, filter_ms = 0;
   double total_ms = 0;
@@ -36,18 +39,16 @@ struct StageTimes {
 struct Tip {
   Eigen::Vector2d px = Eigen::Vector2d::Zero();
   bool seen = false;
-  /// Not seen, or refused because the finger came out much too long or short: `px` is where the
-  /// hand's other points put it, good to some millimetres. Neither: `px` is meaningless.
+  /// Outside the frame: `px` is where the rest of the hand puts it. Neither: meaningless.
   bool inferred = false;
 
   bool known() const noexcept { return seen || inferred; }
 };
 
-/// The axis of a finger, the line in the middle between its sides, in pixels of the input frame.
-struct FingerAxis {
-  Eigen::Vector2d end_px = Eigen::Vector2d::Zero();   ///< a place on it near the fingertip
-  Eigen::Vector2d root_px = Eigen::Vector2d::Zero();  ///< and one near the valleys
-  bool seen = false;                                  ///< false: the rest is meaningless
+/// How a finger stands against the person's rest posture; standard deviations beside.
+struct FingerState {
+  double abduction_rad = 0, abduction_sigma_rad = 0;  ///< in the palm plane, towards the thumb
+  double flexion_rad = 0, flexion_sigma_rad = 0;      ///< towards the palm
 };
 
 /// Everything known of the hand in one frame.
@@ -55,10 +56,12 @@ struct TrackResult {
   FrameStatus status = FrameStatus::ok;  ///< anything but ok: the frame was not processed
   double time_s = 0;
   State state = State::searching;
-  std::optional<Layout> layout;           ///< while acquiring and tracking
+  bool doubtful = false;        ///< tracking, but the pose is not to be relied on
+  std::optional<Layout> layout; ///< while acquiring and tracking
+  std::optional<Face> face;     ///< palm or back, as far as it is told
   std::array<Tip, kFingerCount> tips;     ///< in finger order; while acquiring the best so far
-  std::array<Tip, kValleyCount> valleys;  ///< valley i between finger i and i + 1
-  std::array<FingerAxis, kFingerCount> axes;
+  std::array<Tip, kValleyCount> webs;     ///< web i between finger i and i + 1
+  std::array<FingerState, kFingerCount> fingers;  ///< while there is a pose
   std::optional<PoseEstimate> raw_pose;  ///< from this frame alone, before the filter
   std::optional<FilteredPose> pose;      ///< filtered, at this frame's time
   StageTimes times;
@@ -66,7 +69,7 @@ struct TrackResult {
   bool camera_assumed = false;  ///< the camera was not calibrated
 };
 
-/// The hand region of the last frame as a binary image. Pixel (u, v) of the mask covers the input
+/// The hand in the last frame as a binary image. Pixel (u, v) of the mask covers the input
 /// pixels from (x0_px + u * step_px, y0_px + v * step_px), `step_px` each way; 255 hand, 0 not.
 struct HandMask {
   const std::uint8_t* data = nullptr;
@@ -75,7 +78,16 @@ struct HandMask {
   int x0_px = 0, y0_px = 0, step_px = 1;
 };
 
-/// The paper's Figure 2: frame and time in, state and pose out.
+/// What a frame showed, for pictures and for finding out why.
+struct FrameEvidence {
+  std::span<const HandCandidate> candidates;  ///< where the finder saw hands, if it looked
+  std::span<const OutlinePoint> outline;      ///< the figure's outline, as aligned
+  double log_ratio = 0;  ///< log likelihood ratio of a hand there against none, this frame alone
+  double belief = 0;     ///< log odds, added up over time
+  int hypotheses = 0;    ///< appearances and planar solutions still thought possible
+};
+
+/// Frame and time in, state and pose out.
 ///
 ///     HandTracker tracker(camera, average_adult_hand());
 ///     TrackResult r = tracker.process(frame, time_s);
@@ -97,24 +109,15 @@ class HandTracker {
   /// The pose expected at a later time, for display; empty when not tracking.
   std::optional<FilteredPose> predict(double time_s) const noexcept;
 
-  /// Contour of the hand region of the last frame in input pixels, ordered; empty without a hand.
-  /// Valid until the next process().
-  std::span<const Eigen::Vector2f> contour_px() const noexcept;
-
-  /// Hand region of the last frame; empty (width 0) without a hand. Valid until the next process();
-  /// written anew by each call, so not for two threads at once.
+  /// The figure's silhouette in the last frame; empty (width 0) without a hand. Valid until the next
+  /// process(); written anew by each call, so not for two threads at once.
   HandMask mask() const noexcept;
 
-  /// The hand model in the layout now tracked (mirrored when needed).
+  /// The person's hand as far as it was learned, in the layout now tracked.
   const HandModel& hand() const noexcept;
 
-  /// What the next frame will be segmented with: by colour bin, the log likelihood ratio of hand
-  /// against background in eighths of a nat. For looking at; changes with every process().
-  std::span<const std::int8_t> color_ratios() const noexcept;
-
-  /// Colours of the tracked hand over the last frames, or as it was last tracked; empty when it
-  /// never was. What Config::skin.personal takes. Takes memory: not for every frame.
-  SkinColors learned_colors() const;
+  /// What the last frame showed. Valid until the next process().
+  const FrameEvidence& evidence() const noexcept;
 
   /// Forgets hand and colours, as newly made.
   void reset() noexcept;

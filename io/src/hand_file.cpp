@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/io/hand_file.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,10 +19,7 @@ constexpr double kMinGap_m = 0.005;       // between neighbouring fingertips
 constexpr double kMaxCoordinate_m = 0.5;  // of anything on a hand
 constexpr double kMaxHeight_m = 0.12;     // above or below the mean of the fingertips
 constexpr double kMaxThickness_m = 0.1;
-constexpr std::size_t kMaxOutlinePoints = 10000;
-
-constexpr std::array<std::string_view, kValleyCount> kValleyNames = {"thumb_index", "index_middle",
-                                                                     "middle_ring", "ring_little"};
+constexpr double kMostCoefficient = 8;  // of a figure, in standard deviations of people
 
 constexpr std::pair<std::string_view, HandSource> kSources[] = {
     {"checkerboard", HandSource::checkerboard},
@@ -132,25 +130,10 @@ void require_order(const Reader& file, const HandModel& hand) {
   }
 }
 
-void read_version_3(const Reader& file, HandModel& hand) {
-  hand.has_axes = file.has("axis_ends_m") || file.has("axis_roots_m");
-  if (!hand.has_axes) return;
-  hand.axis_ends_m = file.points("axis_ends_m", kFingerNames);
-  hand.axis_roots_m = file.points("axis_roots_m", kFingerNames);
-  for (int f = 0; f < kFingerCount; ++f)
-    if ((hand.axis_ends_m.col(f) - hand.axis_roots_m.col(f)).norm() < kMinGap_m)
-      file.fail("axis_ends_m and axis_roots_m: " + std::string(kFingerNames[f]) +
-                " has both at one place");
-}
-
 void read_version_2(const Reader& file, HandModel& hand) {
   if (file.has("tips_sigma_m")) {
     hand.tips_sigma_m = file.points("tips_sigma_m", kFingerNames);
     if (hand.tips_sigma_m.minCoeff() < 0) file.fail("tips_sigma_m: a deviation is negative");
-  }
-  if (file.has("valleys_m")) {
-    hand.valleys_m = file.points("valleys_m", kValleyNames);
-    hand.has_valleys = true;
   }
   if (file.has("scale")) {
     const std::string scale = file.text("scale");
@@ -159,28 +142,42 @@ void read_version_2(const Reader& file, HandModel& hand) {
     }
     hand.average_scale = scale == "average";
   }
-  if (!file.has("outline_m")) return;
-  const Json& outline = file.field("outline_m");
-  if (!outline.is_array() || outline.size() < 3 || outline.size() > kMaxOutlinePoints) {
-    file.fail("outline_m is not a list of 3 to 10000 points");
+}
+
+// The person's figure: coefficients and their covariance, row by row.
+void read_version_4(const Reader& file, HandModel& hand) {
+  if (!file.has("figure")) return;
+  const Json& figure = file.field("figure");
+  if (!figure.is_object() || !figure.contains("mean") || !figure.contains("covariance"))
+    file.fail("figure has no mean and covariance");
+  const Json &mean = figure["mean"], &covariance = figure["covariance"];
+  const std::string modes = std::to_string(kFigureModes);
+  if (!mean.is_array() || mean.size() != kFigureModes)
+    file.fail("figure: mean is not a list of " + modes + " numbers");
+  if (!covariance.is_array() || covariance.size() != kFigureModes)
+    file.fail("figure: covariance has not " + modes + " rows");
+  FigureEstimate estimate;
+  for (int i = 0; i < kFigureModes; ++i) {
+    estimate.mean[i] = file.number(mean[i], "figure: mean");
+    if (std::abs(estimate.mean[i]) > kMostCoefficient)
+      file.fail("figure: mean tells no human hand");
+    if (!covariance[i].is_array() || covariance[i].size() != kFigureModes)
+      file.fail("figure: a row of covariance has not " + modes + " numbers");
+    for (int k = 0; k < kFigureModes; ++k)
+      estimate.covariance(i, k) = file.number(covariance[i][k], "figure: covariance");
   }
-  for (const Json& point : outline) {
-    const std::string what = "outline_m: point " + std::to_string(hand.outline_m.size() + 1);
-    if (!point.is_array() || point.size() != 2) file.fail(what + " is not [x, y]");
-    const Eigen::Vector2d p(file.number(point[0], what), file.number(point[1], what));
-    if (p.cwiseAbs().maxCoeff() > kMaxCoordinate_m) {
-      file.fail(what + " is too far off: the unit is the metre");
-    }
-    hand.outline_m.push_back(p);
-  }
+  const bool symmetric = estimate.covariance.isApprox(estimate.covariance.transpose(), 1e-6);
+  if (!symmetric || estimate.covariance.llt().info() != Eigen::Success)
+    file.fail("figure: covariance is not symmetric and positive");
+  hand.figure = estimate;
 }
 
 HandModel read_fields(const Reader& file) {
   if (file.text("format") != "handyar-hand") file.fail("format is not handyar-hand");
   const Json& version = file.field("version");
   if (!version.is_number_integer()) file.fail("version is not a whole number");
-  if (version < 1 || version > 3) {
-    file.fail("version " + version.dump() + " is not known, only 1 to 3");
+  if (version < 1 || version > 4) {
+    file.fail("version " + version.dump() + " is not known, only 1 to 4");
   }
   HandModel hand;
   read_tips(file, hand);
@@ -207,7 +204,7 @@ HandModel read_fields(const Reader& file) {
     hand.thickness_m = file.number_within("thickness_m", 0, kMaxThickness_m);
   }
   if (version >= 2) read_version_2(file, hand);
-  if (version >= 3) read_version_3(file, hand);
+  if (version >= 4) read_version_4(file, hand);
   return hand;
 }
 
@@ -232,11 +229,9 @@ HandModel read_hand(const std::string& path) { return parse_hand(read_text(path)
 
 std::string format_hand(const HandModel& hand) {
   const bool sigmas = !hand.tips_sigma_m.isZero(0.0);
-  const bool version_2 =
-      sigmas || hand.has_valleys || !hand.outline_m.empty() || hand.average_scale;
   Json json;
   json["format"] = "handyar-hand";
-  json["version"] = hand.has_axes ? 3 : version_2 ? 2 : 1;
+  json["version"] = 4;
   json["tips_m"] = named_points(hand.tips_m, kFingerNames);
   json["layout"] = std::string(name(hand.layout));
   for (const auto& [text, source] : kSources) {
@@ -246,12 +241,12 @@ std::string format_hand(const HandModel& hand) {
   json["thickness_m"] = hand.thickness_m;
   if (hand.average_scale) json["scale"] = "average";
   if (sigmas) json["tips_sigma_m"] = named_points(hand.tips_sigma_m, kFingerNames);
-  if (hand.has_valleys) json["valleys_m"] = named_points(hand.valleys_m, kValleyNames);
-  if (hand.has_axes) {
-    json["axis_ends_m"] = named_points(hand.axis_ends_m, kFingerNames);
-    json["axis_roots_m"] = named_points(hand.axis_roots_m, kFingerNames);
+  if (hand.figure) {
+    const FigureEstimate& figure = *hand.figure;
+    json["figure"]["mean"] = std::vector<double>(figure.mean.begin(), figure.mean.end());
+    for (const auto& row : figure.covariance.rowwise())
+      json["figure"]["covariance"].push_back(std::vector<double>(row.begin(), row.end()));
   }
-  for (const Eigen::Vector2d& p : hand.outline_m) json["outline_m"].push_back({p.x(), p.y()});
   return json.dump(1) + "\n";
 }
 

@@ -16,7 +16,8 @@ const std::string_view kPoseCsvHeader =
     "qw,qx,qy,qz,tx_m,ty_m,tz_m,"
     "raw_qw,raw_qx,raw_qy,raw_qz,raw_tx_m,raw_ty_m,raw_tz_m,"
     "rms_px,sigma_rotation_rad,sigma_translation_m,"
-    "segmentation_ms,fingertips_ms,matching_ms,pose_ms,filter_ms,total_ms";
+    "segmentation_ms,fingertips_ms,matching_ms,pose_ms,filter_ms,total_ms,"
+    "doubtful,face";
 
 namespace {
 
@@ -87,6 +88,8 @@ std::string pose_csv_row(std::int64_t frame, const TrackResult& result, bool tim
        {t.segmentation_ms, t.fingertips_ms, t.matching_ms, t.pose_ms, t.filter_ms, t.total_ms}) {
     row.number(timings ? ms : NAN, kMillisecondDigits);
   }
+  row.text(result.doubtful ? "1" : "0");
+  row.text(result.face ? name(*result.face) : "");
   return row.take();
 }
 

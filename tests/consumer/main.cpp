@@ -6,8 +6,12 @@
 #include "handyar/tracker.hpp"
 
 // Every public header of the core that the tracker does not bring along.
-#include "handyar/contour.hpp"
+#include "handyar/any_tracker.hpp"
+#include "handyar/paper/tip_pose.hpp"
 #include "handyar/planar_pose.hpp"
+#include "handyar/stages/align.hpp"
+#include "handyar/stages/hand_figure.hpp"
+#include "handyar/stages/hand_finder.hpp"
 
 int main() {
   handyar::HandTracker tracker(handyar::Camera::from_field_of_view(320, 240),

@@ -13,7 +13,7 @@ namespace handyar {
 
 /// A hand measured while it lay still beside the board, face up, in two ways.
 struct HandCalibration {
-  HandModel by_triangulation;  ///< with standard deviations, valleys and outline where seen
+  HandModel by_triangulation;  ///< with standard deviations and the figure they tell
   HandModel by_plane;          ///< the paper's way: at thickness_m above the board
   Eigen::Isometry3d T_board_hand = Eigen::Isometry3d::Identity();  ///< of by_triangulation
   StillPoints tips;             ///< triangulated, in the board frame

@@ -9,7 +9,7 @@
 namespace handyar {
 
 /// A calibrated hand seen from straight above, to scale (paper Figure 5): fingertips with their
-/// error ellipses (two standard deviations), valleys, outline, and the axes of the hand frame.
+/// error ellipses (two standard deviations), its figure, and the axes of the hand frame.
 struct HandPicture {
   HandModel hand;
   std::optional<Board> board;  ///< drawn too, with T_board_hand

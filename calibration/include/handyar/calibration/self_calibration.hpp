@@ -3,10 +3,8 @@
 
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "handyar/calibration/error.hpp"
-#include "handyar/calibration/hand_frame.hpp"
 #include "handyar/calibration/view.hpp"
 
 namespace handyar {
@@ -21,13 +19,12 @@ struct KnownLength {
 struct SelfCalibration {
   HandModel hand;         ///< shape from the views; size from the known length or the average adult
   double turned_rad = 0;  ///< largest angle between the directions the hand was seen from
-  std::vector<int> views_used;  ///< indices into the views given
+  int views = 0;          ///< in which the hand was tracked
 };
 
-/// Shape of a stiff hand from a moving view alone, no board: fingertips (and valleys where seen)
-/// and the poses of the chosen views are adjusted together (bundle adjustment), starting from the
-/// average adult hand, whose shape is kept as a weak prior (20 mm in the plane, 5 mm in height).
-/// Throws CalibrationError when the views cannot carry it.
+/// Shape of a hand from its own motion, no board: the figure that the tracker has learned over the
+/// views, given its size. Throws CalibrationError when it cannot be trusted: too few views or
+/// directions, or a shape that the second half of the views went on to change.
 SelfCalibration self_calibrate_hand(std::span<const CalibrationView> views, const Camera& camera,
                                     const KnownLength& known = {});
 

@@ -17,8 +17,8 @@ class CalibrationSession {
   CalibrationSession(const Board& board, cv::Size image_size);
 
   /// Looks for the board in the frame and takes the tracker's view of the hand with it.
-  const CalibrationView& add(const cv::Mat& bgr, const TrackResult& hand,
-                             std::span<const Eigen::Vector2f> contour_px);
+  const CalibrationView& add(const cv::Mat& bgr, const TrackResult& result,
+                             const HandModel& learned);
 
   const std::vector<CalibrationView>& views() const { return views_; }
   const Coverage& coverage() const { return coverage_; }
@@ -38,7 +38,7 @@ class CalibrationSession {
   std::optional<cv::Size> other_board_;  // of other counts, seen while the wanted one was not
 };
 
-/// The hand in a frame as the tracker saw it; no board.
-CalibrationView hand_view(const TrackResult& hand, std::span<const Eigen::Vector2f> contour_px);
+/// The hand in a frame as the tracker saw it and as it had learned it; no board.
+CalibrationView hand_view(const TrackResult& result, const HandModel& learned);
 
 }  // namespace handyar

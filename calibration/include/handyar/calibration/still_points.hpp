@@ -33,14 +33,10 @@ StillPoints on_plane(std::span<const PixelTrack> tracks,
 
 /// Robust triangulation from all views together, no height assumed.
 ///
-/// The end of a finger's outline is not a fixed point of the finger: it wanders by about a
-/// millimetre with the direction of the view, alike in neighbouring views. So oblique views count
-/// less, many views count as a few independent ones, and points of a hand that lies flat are held
-/// near their common height, whatever that is, with a spread of 2 mm. With `directions` (unit, a
-/// column a point, board frame) the points are round ends of `radius_m`, see outline_end_m.
+/// Oblique views count less, many views count as a few independent ones, and points of a hand that
+/// lies flat are held near their common height, whatever that is, with a spread of 2 mm.
 StillPoints triangulate(std::span<const PixelTrack> tracks,
-                        std::span<const Eigen::Isometry3d> T_camera_board, const Camera& camera,
-                        const Eigen::Matrix3Xd& directions = {}, double radius_m = 0);
+                        std::span<const Eigen::Isometry3d> T_camera_board, const Camera& camera);
 
 /// Two thirds of a track's pixels, carried to the point at their depth, are nearer than this
 /// (metres).

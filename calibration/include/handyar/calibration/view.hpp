@@ -2,9 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,9 +20,9 @@ struct CalibrationView {
   std::vector<cv::Point2f> corners_px;  ///< of the board, row by row; empty: not seen
   double blur_px = 0;                   ///< width of the board's edges, see edge_width_px
   std::array<Tip, kFingerCount> tips;
-  std::array<Tip, kValleyCount> valleys;
-  std::array<FingerAxis, kFingerCount> axes;
-  std::vector<Eigen::Vector2f> contour_px;  ///< of the hand region; may be empty
+  std::array<Tip, kValleyCount> webs;
+  std::optional<Eigen::Isometry3d> T_camera_hand;  ///< while tracked
+  HandModel hand;                                  ///< as learned until then, where tracked
 
   bool board_seen() const { return !corners_px.empty(); }
   bool hand_seen() const {

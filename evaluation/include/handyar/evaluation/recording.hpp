@@ -13,15 +13,14 @@
 
 namespace handyar::evaluation {
 
-/// Method names of the ellipse's tips with other poses than the default one: without the fingers'
-/// sides (PoseMethod::points; of hands with axes, others have no other default), and the paper's, a
-/// rigid body of tips (PoseMethod::tips).
-inline constexpr const char* kPoints = "ellipse, without sides";
-inline constexpr const char* kRigidTips = "ellipse, rigid tips";
+/// Names of the methods: the default one, and the paper's with its two kinds of fingertips.
+inline constexpr const char* kFigure = "figure";
+inline constexpr const char* kPaper = "paper, ellipse";
+inline constexpr const char* kPaperCurvature = "paper, curvature";
 
 /// What the tracker gave with one setting, frame by frame.
 struct Track {
-  std::string method;  ///< name of the fingertip method, and of the pose's when not the default
+  std::string method;  ///< kFigure, kPaper or kPaperCurvature
   bool half_resolution = false;
   std::vector<TrackResult> results;
 };
@@ -53,8 +52,8 @@ struct Recording {
 /// Called after each frame with the number of frames done and promised (0: unknown).
 using Progress = std::function<void(int done, int promised)>;
 
-/// Reads the video once and lets everything see each frame: the tracker with every fingertip method
-/// at both resolutions, both marker systems at both resolutions, the board.
+/// Reads the video once and lets everything see each frame: the tracker of either method, the
+/// paper's at both resolutions, both marker systems at both resolutions, the board.
 Recording record(const Sequence& sequence, const Progress& progress = {});
 
 }  // namespace handyar::evaluation

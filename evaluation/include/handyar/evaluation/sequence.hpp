@@ -7,14 +7,12 @@
 #include <vector>
 
 #include "handyar/evaluation/truth.hpp"
-#include "handyar/skin_model.hpp"
 
 namespace handyar::evaluation {
 
 /// What a person says of own footage; what is left empty comes from the sequence's folder.
 struct SequenceOptions {
   std::string camera_file, hand_file;
-  SkinColors skin;  ///< of the person, where known
   std::optional<Board> board;
   std::optional<Marker> aruco, apriltag;
 };
@@ -26,7 +24,6 @@ struct Sequence {
   std::string origin_of_camera, origin_of_hand;  ///< for a reader, e.g. "truth.json"
   Camera camera;
   HandModel hand;
-  SkinColors skin;
   std::optional<Truth> truth;
   std::optional<Board> board;
   Marker aruco{"DICT_4X4_50", -1, 0.08};

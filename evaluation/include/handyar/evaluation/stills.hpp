@@ -36,7 +36,7 @@ struct StillResult {
 /// Each is letterboxed to 640x480 and held for 25 frames with slight noise (seeded: the same each
 /// time). The last five tips found must all be within 0.2 of the thumb-little span. Throws
 /// io::Error when a picture cannot be read.
-std::vector<StillResult> track_stills(const std::vector<Still>& stills, const SkinColors& skin = {},
+std::vector<StillResult> track_stills(const std::vector<Still>& stills,
                                       const Progress& progress = {});
 
 /// Rows: all, each source, each skin tone.

@@ -25,11 +25,13 @@ class HandOverlay {
   explicit HandOverlay(const Model& model, double size_m = 0.09,
                        std::shared_ptr<Context> context = headless_context());
 
-  /// Draws the object into the frame that `result` was made from (8-bit BGR), seen by `camera`.
-  void draw(cv::Mat& frame_bgr, const Camera& camera, const HandTracker& tracker,
+  /// Draws the object into the frame that `result` was made from (8-bit BGR), seen by `camera`, by
+  /// the tracker of either method. Where the pose is doubtful there is no object.
+  void draw(cv::Mat& frame_bgr, const Camera& camera, const auto& tracker,
             const TrackResult& result) {
     std::optional<Eigen::Isometry3d> T_camera_hand;
-    if (result.state == State::tracking && result.pose) T_camera_hand = result.pose->T_camera_hand;
+    if (result.state == State::tracking && result.pose && !result.doubtful)
+      T_camera_hand = result.pose->T_camera_hand;
     draw(frame_bgr, camera, result.time_s, T_camera_hand, tracker.hand(), tracker.mask());
   }
 

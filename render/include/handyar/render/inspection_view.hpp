@@ -20,7 +20,7 @@ struct HandInView {
   std::optional<Eigen::Isometry3d> T_camera_hand;  ///< while the fingertips are tracked
   HandModel model;                                 ///< in the layout in view
 
-  static HandInView of(const HandTracker& tracker, const TrackResult& result) {
+  static HandInView of(const auto& tracker, const TrackResult& result) {
     HandInView hand{tracker.mask(), false, std::nullopt, tracker.hand()};
     hand.fingertips_seen = result.state == State::acquiring || result.state == State::tracking;
     if (result.state == State::tracking && result.pose)

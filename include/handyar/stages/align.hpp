@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "handyar/camera.hpp"
+#include "handyar/image_view.hpp"
+#include "handyar/stages/hand_figure.hpp"
+
+namespace handyar {
+
+/// What is estimated of a hand in one frame, in this order: rotation (3, on the left, camera axes),
+/// translation (3), abduction and flexion of each finger, by how much the outline in the picture
+/// lies outside the figure's (blur and halo), and the person's figure.
+inline constexpr int kAbductionAt = 6, kFlexionAt = 11, kBoundaryAt = 16, kFigureAt = 17,
+                     kHandFreedoms = kFigureAt + kFigureModes;
+using HandVector = Eigen::Matrix<double, kHandFreedoms, 1>;
+using HandMatrix = Eigen::Matrix<double, kHandFreedoms, kHandFreedoms>;
+
+struct HandState {
+  Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
+  Posture posture;
+  double boundary_px = 0;
+  FigureCoefficients figure = FigureCoefficients::Zero();
+
+  void correct(const HandVector& step) noexcept;
+  HandVector difference(const HandState& other) const noexcept;  ///< other minus this
+};
+
+/// What is expected of the state before the frame is looked at.
+struct HandPrior {
+  HandState mean;
+  HandMatrix information = HandMatrix::Identity();  ///< inverse covariance
+};
+
+/// Which of its four appearances a hand has: two faces, two layouts.
+struct Appearance {
+  Face face = Face::palm;
+  Layout layout = Layout::thumb_right;
+};
+
+/// A place on the outline of the figure, in pixels of the frame, and what the picture says of it.
+struct OutlinePoint {
+  Eigen::Vector2f px, normal;  ///< outwards
+  float found_px = 0;          ///< how far outside of it the picture's boundary lies
+  float sigma_px = 0;
+  float log_ratio = 0;    ///< for a boundary here against one anywhere near, nats
+  std::uint8_t part = 0;  ///< finger, or kFingerCount for the palm
+};
+
+struct AlignConfig {
+  double spacing_m = 0.006;  ///< between places on the outline; closer: little gained, slower
+};
+
+/// A figure laid on a picture.
+struct Alignment {
+  bool valid = false;  ///< false: no such hand can be seen, the rest is meaningless
+  HandState state;
+  HandMatrix information = HandMatrix::Zero();  ///< inverse covariance of the state, prior included
+  /// Log likelihood ratio of a hand there against none, of this frame alone, nats.
+  double log_ratio = 0;
+  /// Less the prior's cost: what tells appearances and planar solutions apart.
+  double log_posterior = 0;
+  double rms_px = 0;  ///< between the figure's outline and the picture's, outliers weighing less
+};
+
+/// Lays a hand figure on pictures, by the colours on both sides of its outline and by edges, and
+/// learns the colours. Region-based tracking with sparse lines after Stoiber et al., "SRT3D"
+/// (IJCV 2022), with fingers that move and an outline that may lie outside the figure's.
+class Aligner {
+ public:
+  explicit Aligner(const AlignConfig& config = {});
+  ~Aligner();
+  Aligner(Aligner&&) noexcept;
+  Aligner& operator=(Aligner&&) noexcept;
+
+  /// Forgets the colours.
+  void forget() noexcept;
+
+  /// Steps from coarse to fine from `start` on. `coarse`: for starts that may be far off.
+  Alignment align(const ImageView& frame, const Camera& camera, Appearance appearance,
+                  const HandState& start, const HandPrior& prior, bool coarse) noexcept;
+
+  /// Takes colours from both sides of the outline of a state; older ones fade to `keep`. `margin_m`
+  /// on both sides of the outline is left out.
+  void learn(const ImageView& frame, const Camera& camera, Appearance appearance,
+             const HandState& state, float keep, double margin_m) noexcept;
+
+  /// The outline of the last alignment. Valid until the next call.
+  std::span<const OutlinePoint> outline() const noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace handyar

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "handyar/hand_model.hpp"
+
+namespace handyar {
+
+/// Which face of the hand is seen.
+enum class Face : std::uint8_t { palm, back };
+std::string_view name(Face face) noexcept;
+constexpr Face opposite(Face face) noexcept { return face == Face::palm ? Face::back : Face::palm; }
+
+/// The spheres of the figure: four along each finger from its root to its tip, four webs, the two
+/// sides of the wrist, the heel of the hand below the little finger.
+inline constexpr int kFingerSpheres = 4;
+inline constexpr int kFirstWeb = kFingerCount * kFingerSpheres;
+inline constexpr int kWristThumb = 24, kWristLittle = 25, kHeel = 26, kSphereCount = 27;
+constexpr int sphere_of(int finger, int joint) noexcept { return kFingerSpheres * finger + joint; }
+/// The finger that a sphere moves with; kFingerCount: the palm.
+constexpr int finger_of(int sphere) noexcept {
+  return sphere < kFirstWeb ? sphere / kFingerSpheres : kFingerCount;
+}
+
+/// How the fingers stand against the person's rest posture: turned in the palm plane towards the
+/// thumb (abduction), bent towards the palm (flexion).
+struct Posture {
+  std::array<double, kFingerCount> abduction_rad{}, flexion_rad{};
+};
+
+/// A solid hand: spheres, and the convex hulls of two or three of them (tapered capsules and palm
+/// sheets, see figure_hulls()). In the hand frame of the face and layout in which it is seen, in
+/// metres.
+struct HandFigure {
+  using Centres = Eigen::Matrix<double, 3, kSphereCount>;
+  using Radii = Eigen::Matrix<double, 1, kSphereCount>;
+  using Tips = Eigen::Matrix<double, 3, kFingerCount>;
+
+  Face face = Face::palm;
+  Layout layout = Layout::thumb_right;
+  Centres centres_m = Centres::Zero();
+  Radii radii_m = Radii::Zero();
+  Tips tips_m = Tips::Zero();
+};
+
+/// A figure whose fingers have moved, and how each sphere's centre moves with its own finger.
+struct PosedFigure {
+  HandFigure::Centres centres_m, by_abduction_m, by_flexion_m;
+  HandFigure::Tips tips_m;
+};
+
+/// Fingers turn about their roots in the palm plane; they bend at the root and by a share of it at
+/// the joint after it.
+PosedFigure pose_fingers(const HandFigure& figure, const Posture& posture) noexcept;
+
+/// Triples of spheres; the third is -1 where a hull has two.
+std::span<const std::array<std::int8_t, 3>> figure_hulls() noexcept;
+
+/// The figure of a person's coefficients (FigureCoefficients).
+HandFigure make_figure(const FigureCoefficients& coefficients, Face face, Layout layout) noexcept;
+
+/// How sphere `sphere` moves and grows with each coefficient: x, y, z in metres, radius.
+using FigureDerivative = Eigen::Matrix<double, 4, kFigureModes>;
+FigureDerivative figure_derivative(int sphere, Face face, Layout layout) noexcept;
+
+/// What a hand model says of the person: its figure where it has one; else the figures of people
+/// at large, conditioned on its fingertips, each as well known as it states. An average hand is
+/// people at large.
+FigureEstimate estimate_figure(const HandModel& hand) noexcept;
+
+/// The figure of a hand of the same shape that is `factor` times as large, as well as the modes can
+/// say it.
+FigureEstimate rescaled(const FigureEstimate& figure, double factor) noexcept;
+
+/// A person's figure as a hand model: fingertips of the outstretched hand in the hand frame, with
+/// their standard deviations. Scale, source and thickness are the caller's.
+HandModel hand_of_figure(const FigureEstimate& figure, Layout layout) noexcept;
+
+}  // namespace handyar

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <span>
+
+#include "handyar/hand_model.hpp"
+#include "handyar/image_view.hpp"
+
+namespace handyar {
+
+/// Where an open hand may be.
+struct HandCandidate {
+  Layout layout = Layout::thumb_right;
+  float log_odds = 0;    ///< of an open hand there against none
+  Eigen::Vector2f palm_px = Eigen::Vector2f::Zero();
+  std::array<Eigen::Vector2f, kFingerCount> tips_px{};  ///< rough: to some hundredths of the span
+  std::array<float, kFingerCount> tip_confidence{};     ///< 0 to 1
+
+  /// Distance from thumb tip to little fingertip, pixels.
+  float span_px() const noexcept { return (tips_px[0] - tips_px[4]).norm(); }
+};
+
+/// A part of a frame, which may reach beyond it; pixels, from the top-left pixel's centre.
+struct FinderRegion {
+  Eigen::Vector2f centre_px = Eigen::Vector2f::Zero();
+  float width_px = 0;  ///< its height is three quarters of that
+};
+
+/// Finds open hands by a small convolutional network (tools/finder tells what it was trained on).
+/// It looks at 160 x 120 samples of a frame, so a hand is found that is 17 to 110 of them wide.
+class HandFinder {
+ public:
+  HandFinder();
+  ~HandFinder();
+  HandFinder(HandFinder&&) noexcept;
+  HandFinder& operator=(HandFinder&&) noexcept;
+
+  /// Searches a frame of its own accord: the whole, one of its parts in turn for smaller hands, and
+  /// once more around the likeliest hand for its fingertips. The likeliest candidate first. Valid
+  /// until the next call.
+  std::span<const HandCandidate> search(const ImageView& frame) noexcept;
+
+  /// One look at a part of a frame.
+  std::span<const HandCandidate> look(const ImageView& frame, const FinderRegion& region) noexcept;
+
+  /// As newly made.
+  void reset() noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace handyar

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/stages/align.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "align/boundary_line.hpp"
+#include "align/outline_colors.hpp"
+#include "align/silhouette.hpp"
+#include "image/pixel_reader.hpp"
+#include "pose/so3.hpp"
+
+namespace handyar {
+namespace {
+
+// Lengths of a line's segments, one iteration each, in steps of kStep_m at the hand: from coarse,
+// which reaches far, to fine, which is exact.
+constexpr std::array<float, 9> kSegments{4, 4, 4, 3, 2, 2, 1, 1, 1};
+constexpr int kFirstWhenFollowing = 3;
+// What is visible changes little from step to step: it is looked at anew before these.
+constexpr bool chooses_anew(std::size_t iteration) { return iteration % 3 == 0; }
+constexpr double kStep_m = 0.00075;
+// Neighbouring lines see the same light, the same wrong figure: so much of one's say is its own.
+constexpr double kLineWeight = 0.15;
+constexpr double kLeastLines = 12;
+// Lines nearer than this see the same pixels.
+constexpr float kLeastSpacing_px = 3;
+// Colours are learned this far from the outline at most, inside and outside.
+constexpr double kLearnInside_m = 0.0075, kLearnOutside_m = 0.0135;
+
+}  // namespace
+
+void HandState::correct(const HandVector& step) noexcept {
+  T_camera_hand.linear() =
+      (so3::exp(step.head<3>()) * Eigen::Quaterniond(T_camera_hand.linear())).normalized().toRotationMatrix();
+  T_camera_hand.translation() += step.segment<3>(3);
+  for (int f = 0; f < kFingerCount; ++f) {
+    posture.abduction_rad[f] += step[kAbductionAt + f];
+    posture.flexion_rad[f] += step[kFlexionAt + f];
+  }
+  boundary_px += step[kBoundaryAt];
+  figure += step.tail<kFigureModes>();
+}
+
+HandVector HandState::difference(const HandState& other) const noexcept {
+  HandVector d;
+  d.head<3>() = so3::log(
+      Eigen::Matrix3d(other.T_camera_hand.linear() * T_camera_hand.linear().transpose()));
+  d.segment<3>(3) = other.T_camera_hand.translation() - T_camera_hand.translation();
+  for (int f = 0; f < kFingerCount; ++f) {
+    d[kAbductionAt + f] = other.posture.abduction_rad[f] - posture.abduction_rad[f];
+    d[kFlexionAt + f] = other.posture.flexion_rad[f] - posture.flexion_rad[f];
+  }
+  d[kBoundaryAt] = other.boundary_px - boundary_px;
+  d.tail<kFigureModes>() = other.figure - figure;
+  return d;
+}
+
+struct Aligner::Impl {
+  AlignConfig config;
+  OutlineColors colors;
+  Silhouette::Anchors anchors;
+  int anchor_count = 0;
+  std::array<OutlinePoint, Silhouette::kMaxAnchors> outline;
+  int outline_count = 0;
+
+  float spacing_px(const Silhouette& silhouette) const noexcept {
+    return std::max(static_cast<float>(silhouette.to_px(config.spacing_m)), kLeastSpacing_px);
+  }
+
+  /// One step of Gauss-Newton; returns false when too little is seen.
+  bool step(const ImageView& frame, const Camera& camera, Appearance appearance,
+            const HandPrior& prior, std::size_t iteration, Alignment& a) noexcept;
+};
+
+Aligner::Aligner(const AlignConfig& config) : impl_(std::make_unique<Impl>()) {
+  impl_->config = config;
+}
+Aligner::~Aligner() = default;
+Aligner::Aligner(Aligner&&) noexcept = default;
+Aligner& Aligner::operator=(Aligner&&) noexcept = default;
+
+void Aligner::forget() noexcept { impl_->colors.forget(); }
+std::span<const OutlinePoint> Aligner::outline() const noexcept {
+  return {impl_->outline.data(), static_cast<std::size_t>(impl_->outline_count)};
+}
+
+bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearance appearance,
+                         const HandPrior& prior, std::size_t iteration, Alignment& a) noexcept {
+  constexpr double kNearest_m = 0.03;
+  if (!(a.state.T_camera_hand.translation().z() > kNearest_m)) return false;
+  const HandView view(camera, a.state.T_camera_hand.translation());
+  const Silhouette silhouette(appearance, a.state, view);
+  if (!silhouette.valid()) return false;
+  const PixelReader reader(frame);
+  if (chooses_anew(iteration))
+    anchor_count = silhouette.choose(spacing_px(silhouette), anchors);
+  const bool fine = kSegments[iteration] == 1;
+  const float segment_px = std::max(1.0f, kSegments[iteration] * static_cast<float>(silhouette.to_px(kStep_m)));
+  HandMatrix H = HandMatrix::Zero();
+  HandVector g = HandVector::Zero();
+  outline_count = 0;
+  double log_ratio = 0, squares = 0, weights = 0;
+  for (int i = 0; i < anchor_count; ++i) {
+    const OutlineAnchor& anchor = anchors[i];
+    OutlinePlace place = silhouette.place(anchor);
+    const Eigen::Matrix<double, 1, kHandFreedoms> J = silhouette.derivative(anchor, place);
+    place.px += static_cast<float>(a.state.boundary_px) * place.normal;
+    const int finger = finger_of(anchor.a);
+    const BoundaryLine line(reader, view, place, segment_px, anchor.inside_px, anchor.outside_px);
+    if (!line.inside_frame()) continue;
+    const Boundary found = line.find(colors, finger, fine);
+    const double mu = found.mean_px, sigma = found.sigma_px, z = mu / sigma;
+    const double weight = kLineWeight * 2 / (1 + z * z) / (sigma * sigma);
+    H.noalias() += weight * J.transpose() * J;
+    g += weight * mu * J.transpose();
+    log_ratio += kLineWeight * found.log_ratio;
+    squares += weight * mu * mu;
+    weights += weight;
+    outline[outline_count++] = {line.frame_px(), line.frame_normal(), found.mean_px, found.sigma_px,
+                                found.log_ratio, static_cast<std::uint8_t>(finger)};
+  }
+  if (outline_count < kLeastLines) return false;
+  const HandVector off = a.state.difference(prior.mean), pull = prior.information * off;
+  H += prior.information;
+  g += pull;
+  a.information = H;
+  a.log_ratio = log_ratio;
+  a.rms_px = std::sqrt(squares / weights);
+  a.log_posterior = log_ratio - 0.5 * off.dot(pull);
+  const Eigen::LLT<HandMatrix> llt(H);
+  if (llt.info() != Eigen::Success) return false;
+  a.state.correct(llt.solve(g));
+  return true;
+}
+
+Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearance appearance,
+                         const HandState& start, const HandPrior& prior, bool coarse) noexcept {
+  Alignment a;
+  a.state = start;
+  for (std::size_t i = coarse ? 0 : kFirstWhenFollowing; i < kSegments.size(); ++i)
+    if (!impl_->step(frame, camera, appearance, prior, i, a)) return a;
+  a.valid = a.state.T_camera_hand.matrix().allFinite();
+  return a;
+}
+
+void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance appearance,
+                    const HandState& state, float keep, double margin_m) noexcept {
+  const HandView view(camera, state.T_camera_hand.translation());
+  const Silhouette silhouette(appearance, state, view);
+  if (!silhouette.valid()) return;
+  const PixelReader reader(frame);
+  const int count = silhouette.choose(impl_->spacing_px(silhouette), impl_->anchors);
+  impl_->colors.fade(keep);
+  const float margin = std::max(1.0f, static_cast<float>(silhouette.to_px(margin_m)));
+  const float step = std::max(1.0f, static_cast<float>(silhouette.to_px(kStep_m)));
+  for (int i = 0; i < count; ++i) {
+    const OutlineAnchor& anchor = impl_->anchors[i];
+    OutlinePlace place = silhouette.place(anchor);
+    place.px += static_cast<float>(state.boundary_px) * place.normal;
+    const BoundaryLine line(reader, view, place, step, anchor.inside_px, anchor.outside_px);
+    const int finger = finger_of(anchor.a);
+    const float in = std::min(anchor.inside_px, static_cast<float>(silhouette.to_px(kLearnInside_m))),
+                out = std::min(anchor.outside_px, static_cast<float>(silhouette.to_px(kLearnOutside_m)));
+    for (float r = margin; r < in; r += step)
+      if (const auto pixel = line.pixel(-r)) impl_->colors.add(finger, pixel->bin, true);
+    for (float r = margin; r < out; r += step)
+      if (const auto pixel = line.pixel(r)) impl_->colors.add(finger, pixel->bin, false);
+  }
+  impl_->colors.finish();
+}
+
+}  // namespace handyar

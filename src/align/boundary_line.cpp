@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "align/boundary_line.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "image/fast_log.hpp"
+
+namespace handyar {
+namespace {
+
+// Neighbouring pixels are of one colour for other reasons than the hand: so much of a segment's
+// ratio is new.
+constexpr float kRatioWeight = 0.3f;
+// A step in luma of this many levels doubles how likely a boundary is there.
+constexpr float kCalmStep = 8.0f;
+constexpr float kLeastVariance = 0.1f;  // segments squared: no boundary is seen better
+constexpr float kMostEvidence = 3.0f;   // of one line, nats: a line may be wrong altogether
+
+}  // namespace
+
+BoundaryLine::BoundaryLine(const PixelReader& reader, const HandView& view,
+                           const OutlinePlace& place, float segment_px, float inside_px,
+                           float outside_px) noexcept
+    : reader_(reader),
+      from_(view.to_frame(place.px)),
+      segment_px_(segment_px),
+      inside_px_(inside_px),
+      outside_px_(outside_px) {
+  constexpr float kFar = 8;
+  step_ = (view.to_frame(place.px + kFar * place.normal) - from_) / kFar;
+}
+
+std::optional<Pixel> BoundaryLine::pixel(float r_px) const noexcept {
+  const Eigen::Vector2f p = from_ + r_px * step_;
+  if (!reader_.covers(p.x(), p.y())) return std::nullopt;
+  return reader_.at(static_cast<int>(p.x() + 0.5f), static_cast<int>(p.y() + 0.5f));
+}
+
+int BoundaryLine::read(Segments& segments, std::array<ColorBin, kMostReads>& bins,
+                       std::array<std::int8_t, kMostReads>& of) const noexcept {
+  const int reads = segment_px_ < 1.5f ? 1 : 2;
+  int count = 0;
+  for (int j = 0; j < kSegments; ++j) {
+    float luma = 0;
+    int read = 0;
+    for (int k = 0; k < reads; ++k) {
+      const float r = segment_px_ * (j - kHalf + (k + 0.5f) / reads);
+      if (-r > inside_px_ || r > outside_px_) continue;
+      const auto p = pixel(r);
+      if (!p) continue;
+      bins[count] = p->bin;
+      of[count++] = static_cast<std::int8_t>(j);
+      luma += p->luma;
+      ++read;
+    }
+    segments.reads[j] = read;
+    segments.luma[j] = read > 0 ? luma / read : 0;
+  }
+  return count;
+}
+
+BoundaryLine::Segments BoundaryLine::segments(const OutlineColors& colors,
+                                              int part) const noexcept {
+  Segments s;
+  std::array<ColorBin, kMostReads> bins{};
+  std::array<std::int8_t, kMostReads> of{};
+  const int count = read(s, bins, of);
+  std::array<float, kMostReads> ratios{};
+  colors.log_ratios(part, {bins.data(), static_cast<std::size_t>(count)}, ratios);
+  for (int i = 0; i < count; ++i) s.ratio[of[i]] += ratios[i] / s.reads[of[i]];
+  return s;
+}
+
+Boundary BoundaryLine::find(const OutlineColors& colors, int part, bool edges) const noexcept {
+  const Segments s = segments(colors, part);
+  // A boundary between two segments: all within are of the hand, all beyond of the background.
+  std::array<float, kPlaces> log_p;
+  float sum = s.ratio[0], best = -1e9f;
+  for (int k = 0; k < kPlaces; ++k) {
+    log_p[k] = kRatioWeight * sum;
+    if (edges && s.reads[k] > 0 && s.reads[k + 1] > 0)
+      log_p[k] += fast_log(kCalmStep + std::abs(s.luma[k + 1] - s.luma[k]));
+    else if (edges)
+      log_p[k] += fast_log(kCalmStep);
+    sum += s.ratio[k + 1];
+    best = std::max(best, log_p[k]);
+  }
+  float total = 0, first = 0, second = 0, here = 0;
+  for (int k = 0; k < kPlaces; ++k) {
+    const float p = std::exp(log_p[k] - best), x = k + 1 - kHalf;
+    total += p;
+    first += p * x;
+    second += p * x * x;
+    if (std::abs(x) <= 1) here += x == 0 ? 0.5f * p : 0.25f * p;
+  }
+  const float mean = first / total;
+  const float variance = std::max(second / total - mean * mean, kLeastVariance);
+  return {mean * segment_px_, std::sqrt(variance) * segment_px_,
+          std::clamp(std::log(kPlaces * here / total + 1e-6f), -kMostEvidence, kMostEvidence)};
+}
+
+}  // namespace handyar

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "align/hand_view.hpp"
+#include "align/outline_colors.hpp"
+#include "align/silhouette.hpp"
+#include "image/pixel_reader.hpp"
+
+namespace handyar {
+
+/// Where along a line the boundary between hand and background lies.
+struct Boundary {
+  float mean_px = 0, sigma_px = 1;  ///< from the line's place, outwards
+  float log_ratio = 0;              ///< for a boundary at the line's place against one anywhere near
+};
+
+/// A line across the figure's outline, along its normal.
+class BoundaryLine {
+ public:
+  BoundaryLine(const PixelReader& reader, const HandView& view, const OutlinePlace& place,
+               float segment_px, float inside_px, float outside_px) noexcept;
+
+  bool inside_frame() const noexcept { return pixel(0).has_value(); }
+  Eigen::Vector2f frame_px() const noexcept { return from_; }
+  Eigen::Vector2f frame_normal() const noexcept { return step_; }
+
+  /// The pixel `r_px` (of the view) outside of the outline; empty beyond the frame.
+  std::optional<Pixel> pixel(float r_px) const noexcept;
+
+  /// The boundary by the colours on both sides and, where `edges`, by steps in luma.
+  Boundary find(const OutlineColors& colors, int part, bool edges) const noexcept;
+
+ private:
+  static constexpr int kHalf = 7, kSegments = 2 * kHalf;  ///< segments on each side
+  static constexpr int kPlaces = kSegments - 1;  ///< where the boundary may lie: between segments
+  static constexpr int kMostReads = 2 * kSegments;        ///< pixels
+
+  /// Mean log ratio of hand against background, and luma, from inside to outside.
+  struct Segments {
+    std::array<float, kSegments> ratio{}, luma{};
+    std::array<int, kSegments> reads{};  ///< 0: not seen, ratio 0
+  };
+
+  int read(Segments& segments, std::array<ColorBin, kMostReads>& bins,
+           std::array<std::int8_t, kMostReads>& of) const noexcept;
+  Segments segments(const OutlineColors& colors, int part) const noexcept;
+
+  const PixelReader& reader_;
+  Eigen::Vector2f from_, step_;  ///< in the frame: the place, and one pixel of the view outwards
+  float segment_px_, inside_px_, outside_px_;
+};
+
+}  // namespace handyar

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "align/outline_colors.hpp"
+
+#include <algorithm>
+
+#include "image/fast_log.hpp"
+
+namespace handyar {
+namespace {
+
+// A part's own colours count more than those of the whole hand, and a colour seen on neither side
+// tells nothing (shared/FIGURE.md's trial; unchanged since).
+constexpr float kOwn = 0.6f;
+// The share of samples that says that a colour might come on either side.
+constexpr float kUnseen = 2e-4f;
+// Samples lie on their bin and its neighbours, so that colours a little off are known.
+constexpr float kCentre = 0.4f, kNeighbour = 0.1f;
+
+}  // namespace
+
+void OutlineColors::forget() noexcept {
+  std::fill(bins_.begin(), bins_.end(), Bin{});
+  totals_ = {};
+  shares_ = {};
+  weight_ = 1;
+}
+
+void OutlineColors::fade(float keep) noexcept {
+  weight_ /= std::clamp(keep, 1e-3f, 1.0f);
+  if (weight_ > 1e12f) normalise();
+}
+
+void OutlineColors::normalise() noexcept {
+  const float scale = 1 / weight_;
+  for (Bin& bin : bins_)
+    for (Counts& c : bin.tables) c = {c.hand * scale, c.background * scale};
+  for (Counts& c : totals_) c = {c.hand * scale, c.background * scale};
+  weight_ = 1;
+}
+
+void OutlineColors::spread(int table, ColorBin bin, bool hand) noexcept {
+  const auto put = [&](int at, float share) {
+    Counts& counts = bins_[at].tables[table];
+    (hand ? counts.hand : counts.background) += share * weight_;
+  };
+  put(bin, kCentre);
+  for (int shift = 0; shift <= kLumaShift; shift += 5) {
+    const int level = bin >> shift & (kBinLevels - 1);
+    const int top = (shift == kLumaShift ? kLumaLevels : kBinLevels) - 1;
+    put(level > 0 ? bin - (1 << shift) : bin, kNeighbour);
+    put(level < top ? bin + (1 << shift) : bin, kNeighbour);
+  }
+  (hand ? totals_[table].hand : totals_[table].background) += weight_;
+}
+
+void OutlineColors::add(int part, ColorBin bin, bool hand) noexcept {
+  spread(part, bin, hand);
+  spread(kTogether, bin, hand);
+}
+
+void OutlineColors::finish() noexcept {
+  constexpr float kTiny = 1e-20f;
+  for (int t = 0; t < kTables; ++t) {
+    const float share = t == kTogether ? 1 - kOwn : kOwn;
+    shares_[t] = {share / (totals_[t].hand + kTiny), share / (totals_[t].background + kTiny)};
+  }
+}
+
+void OutlineColors::log_ratios(int part, std::span<const ColorBin> bins,
+                               std::span<float> out) const noexcept {
+  const Counts &of_own = shares_[part], &of_all = shares_[kTogether];
+  std::array<float, kMostAsked> hand, background;
+  hand.fill(1);
+  background.fill(1);
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    const Counts& own = bins_[bins[i]].tables[part];
+    const Counts& all = bins_[bins[i]].tables[kTogether];
+    hand[i] = of_own.hand * own.hand + of_all.hand * all.hand + kUnseen;
+    background[i] =
+        of_own.background * own.background + of_all.background * all.background + kUnseen;
+  }
+  std::array<float, kMostAsked> ratio;
+  for (int i = 0; i < kMostAsked; ++i) ratio[i] = fast_log(hand[i] / background[i]);
+  std::copy_n(ratio.begin(), bins.size(), out.begin());
+}
+
+}  // namespace handyar

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "image/color_bin.hpp"
+#include "handyar/stages/hand_figure.hpp"
+
+namespace handyar {
+
+/// Colours on both sides of the outline, as learned along it: for each finger and the palm apart,
+/// since light differs from part to part, and together. Older frames fade.
+class OutlineColors {
+ public:
+  static constexpr int kParts = kFingerCount + 1;
+
+  OutlineColors() : bins_(kBinCount) {}
+
+  void forget() noexcept;
+
+  /// Begins the samples of a frame: what was learned before fades to `keep` of its weight.
+  void fade(float keep) noexcept;
+
+  void add(int part, ColorBin bin, bool hand) noexcept;
+  /// Ends the samples of a frame.
+  void finish() noexcept;
+
+  /// Log likelihood ratios of hand against background for colours at a part, nats; 0 for a colour
+  /// that was seen on neither side. At most kMostAsked at once.
+  static constexpr int kMostAsked = 32;
+  void log_ratios(int part, std::span<const ColorBin> bins, std::span<float> out) const noexcept;
+
+ private:
+  static constexpr int kTables = kParts + 1, kTogether = kParts;
+
+  struct Counts {
+    float hand = 0, background = 0;
+  };
+
+  /// What is asked together lies together: a bin's counts fill one line of the cache.
+  struct alignas(64) Bin {
+    std::array<Counts, kTables> tables{};
+  };
+
+  void normalise() noexcept;
+  void spread(int table, ColorBin bin, bool hand) noexcept;
+
+  std::vector<Bin> bins_;
+  std::array<Counts, kTables> totals_{};
+  std::array<Counts, kTables> shares_{};  ///< of a count in its part's colours, in the mixture
+  float weight_ = 1;  ///< of a sample now; grows instead of the tables' fading
+};
+
+}  // namespace handyar

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: MIT
+#include "align/silhouette.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pose/so3.hpp"
+
+namespace handyar {
+namespace {
+
+// Below the wrist comes the forearm, of about this length while a hand is in view.
+constexpr double kForearm_m = 0.12;
+constexpr int kForearm = kSphereCount;  // the two discs at its far end
+// Less than this beside a place on the outline, and what lies there cannot be told.
+constexpr double kLeastInside_m = 0.0022, kLeastOutside_m = 0.0026;
+// Farther than this from the outline nothing is asked.
+constexpr double kReach_m = 0.016;
+
+/// Pairs of spheres that span a capsule, each once, and the sheets' triples; the forearm's behind.
+struct Topology {
+  struct Pair {
+    std::uint8_t a, b;
+  };
+  std::array<Pair, 64> pairs{};
+  int pair_count = 0, own_pairs = 0;
+  std::array<std::array<std::uint8_t, 3>, 32> sheets{};
+  int sheet_count = 0, own_sheets = 0;
+
+  void add(int a, int b) {
+    if (a > b) std::swap(a, b);
+    for (int i = 0; i < pair_count; ++i)
+      if (pairs[i].a == a && pairs[i].b == b) return;
+    pairs[pair_count++] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
+  }
+  void add_sheet(int a, int b, int c) {
+    sheets[sheet_count++] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b),
+                             static_cast<std::uint8_t>(c)};
+  }
+
+  Topology() {
+    for (const auto& [a, b, c] : figure_hulls()) {
+      add(a, b);
+      if (c < 0) continue;
+      add(b, c);
+      add(a, c);
+      add_sheet(a, b, c);
+    }
+    own_pairs = pair_count;
+    own_sheets = sheet_count;
+    add(kWristThumb, kForearm);
+    add(kWristLittle, kForearm + 1);
+    add_sheet(kWristThumb, kWristLittle, kForearm);
+    add_sheet(kWristLittle, kForearm, kForearm + 1);
+  }
+};
+
+const Topology& topology() {
+  static const Topology t;
+  return t;
+}
+
+/// Spheres whose own roundness shows: fingertips, webs, the heel.
+constexpr std::array<std::uint8_t, 10> kRound{3, 7, 11, 15, 19, 20, 21, 22, 23, kHeel};
+
+}  // namespace
+
+Silhouette::Silhouette(Appearance appearance, const HandState& state, const HandView& view) noexcept
+    : f_px_(view.f_px()) {
+  const HandFigure figure = make_figure(state.figure, appearance.face, appearance.layout);
+  const PosedFigure posed = pose_fingers(figure, state.posture);
+  for (int s = 0; s < kSphereCount; ++s) r_[s] = static_cast<float>(figure.radii_m[s]);
+  project(appearance, posed, state, view);
+  if (valid_) add_capsules();
+}
+
+void Silhouette::project(Appearance appearance, const PosedFigure& posed, const HandState& state,
+                         const HandView& view) noexcept {
+  const Eigen::Matrix3d R = state.T_camera_hand.linear();
+  const Eigen::Vector3d t = state.T_camera_hand.translation();
+  depth_m_ = (view.R_view_camera() * t).z();
+  constexpr double kNearest_m = 0.03;
+  const auto disc = [&](int i, const Eigen::Vector3d& p, double radius_m) {
+    const double inverse = 1 / std::max(p.z(), kNearest_m);
+    if (p.z() < kNearest_m + radius_m) valid_ = false;
+    x_[i] = static_cast<float>(f_px_ * p.x() * inverse);
+    y_[i] = static_cast<float>(f_px_ * p.y() * inverse);
+    r_[i] = static_cast<float>(f_px_ * radius_m * inverse);
+  };
+  for (int s = 0; s < kSphereCount; ++s) {
+    const double radius_m = r_[s];
+    const Eigen::Vector3d turned = R * posed.centres_m.col(s);
+    const Eigen::Vector3d p = view.R_view_camera() * (turned + t);
+    disc(s, p, radius_m);
+    const double k = f_px_ / std::max(p.z(), kNearest_m), depth = k / std::max(p.z(), kNearest_m);
+    Eigen::Matrix3d by_point;
+    by_point << k, 0, -depth * p.x(), 0, k, -depth * p.y(), 0, 0, -depth * radius_m;
+    by_point = (by_point * view.R_view_camera()).eval();
+    J_[s].leftCols<3>() = -by_point * so3::skew(turned);
+    J_[s].middleCols<3>(3) = by_point;
+    J_[s].col(6) = by_point * (R * posed.by_abduction_m.col(s));
+    J_[s].col(7) = by_point * (R * posed.by_flexion_m.col(s));
+    const FigureDerivative by_figure = figure_derivative(s, appearance.face, appearance.layout);
+    J_[s].rightCols<kFigureModes>() = by_point * R * by_figure.topRows<3>();
+    J_[s].bottomRightCorner<1, kFigureModes>() += k * by_figure.bottomRows<1>();
+  }
+  for (int k = 0; k < 2; ++k) {
+    const int wrist = kWristThumb + k;
+    const Eigen::Vector3d end =
+        posed.centres_m.col(wrist) - Eigen::Vector3d(0, kForearm_m, 0);
+    const Eigen::Vector3d p = view.R_view_camera() * (R * end + t);
+    const double radius_m = r_[wrist] * std::max(0.05, depth_m_) / f_px_;
+    disc(kForearm + k, p.z() > 2 * kNearest_m ? p : view.R_view_camera() * (R * posed.centres_m.col(wrist) + t), radius_m);
+  }
+}
+
+void Silhouette::add_capsules() noexcept {
+  const Topology& t = topology();
+  Capsules& c = capsules_;
+  capsule_count_ = t.pair_count;
+  for (int i = 0; i < kMaxCapsules; ++i) {
+    int a = i < t.pair_count ? t.pairs[i].a : t.pairs[0].a, b = i < t.pair_count ? t.pairs[i].b : t.pairs[0].b;
+    if (r_[b] > r_[a]) std::swap(a, b);
+    ends_[i] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
+    const float dx = x_[b] - x_[a], dy = y_[b] - y_[a], length = std::hypot(dx, dy),
+                dr = r_[b] - r_[a];
+    c.x[i] = x_[a];
+    c.y[i] = y_[a];
+    c.r0[i] = r_[a];
+    if (length <= -dr + 1e-3f) {  // one disc lies in the other
+      c.dx[i] = 1;
+      c.dy[i] = c.length[i] = c.inverse_length[i] = c.slope[i] = c.dr[i] = 0;
+      continue;
+    }
+    c.dx[i] = dx / length;
+    c.dy[i] = dy / length;
+    c.length[i] = length;
+    c.inverse_length[i] = 1 / length;
+    const float sine = -dr / length;
+    c.slope[i] = sine / std::sqrt(1 - sine * sine);
+    c.dr[i] = dr;
+  }
+}
+
+bool Silhouette::in_a_sheet(const Eigen::Vector2f& p) const noexcept {
+  const Topology& t = topology();
+  for (int i = 0; i < t.sheet_count; ++i) {
+    const auto& [a, b, c] = t.sheets[i];
+    const auto cross = [&](int from, int to) {
+      return (x_[to] - x_[from]) * (p.y() - y_[from]) - (y_[to] - y_[from]) * (p.x() - x_[from]);
+    };
+    const float ab = cross(a, b), bc = cross(b, c), ca = cross(c, a);
+    if ((ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0)) return true;
+  }
+  return false;
+}
+
+int Silhouette::own_capsules() noexcept { return topology().own_pairs; }
+int Silhouette::sheet_count() noexcept { return topology().own_sheets; }
+
+std::size_t Silhouette::capsule_polygon(
+    int capsule, float grow_px, std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept {
+  const auto [a, b] = topology().pairs[capsule];
+  const Eigen::Vector2f from = disc_px(a), along = disc_px(b) - from;
+  const float angle = std::atan2(along.y(), along.x());
+  // Half a turn around each end; a little wide where the capsule tapers, by less than a pixel.
+  constexpr int kHalf = kMostCorners / 2;
+  for (int i = 0; i < kMostCorners; ++i) {
+    const bool far_end = i < kHalf;
+    const int k = far_end ? i : i - kHalf;
+    const float turn = angle + static_cast<float>(std::numbers::pi) *
+                                   ((far_end ? -0.5f : 0.5f) + static_cast<float>(k) / (kHalf - 1));
+    const int s = far_end ? b : a;
+    corners[i] = disc_px(s) + (r_[s] + grow_px) * Eigen::Vector2f(std::cos(turn), std::sin(turn));
+  }
+  return kMostCorners;
+}
+
+std::size_t Silhouette::sheet_polygon(
+    int sheet, std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept {
+  for (int k = 0; k < 3; ++k) corners[k] = disc_px(topology().sheets[sheet][k]);
+  return 3;
+}
+
+float Silhouette::distance_px(const Eigen::Vector2f& p) const noexcept {
+  const Capsules& c = capsules_;
+  std::array<float, kMaxCapsules> d{};
+  const float px = p.x(), py = p.y();
+  const int padded = (capsule_count_ + 7) & ~7;
+  for (int i = 0; i < padded; ++i) {
+    const float wx = px - c.x[i], wy = py - c.y[i];
+    const float along = wx * c.dx[i] + wy * c.dy[i];
+    const float across = std::abs(wx * c.dy[i] - wy * c.dx[i]);
+    float t = (along - across * c.slope[i]) * c.inverse_length[i];
+    // A tapered capsule's surface belongs to the disc between both ends whose normal points there.
+    t = std::min(std::max(t, 0.0f), 1.0f);
+    const float rest = along - t * c.length[i];
+    d[i] = std::sqrt(rest * rest + across * across) - (c.r0[i] + t * c.dr[i]);
+  }
+  float least = d[0];
+  for (int i = 1; i < padded; ++i) least = std::min(least, d[i]);
+  return least > 0 && in_a_sheet(p) ? -1.0f : least;
+}
+
+OutlinePlace Silhouette::place(const OutlineAnchor& k) const noexcept {
+  OutlinePlace place;
+  if (k.a == k.b) {
+    place.normal = {std::cos(k.along), std::sin(k.along)};
+    place.px = disc_px(k.a) + r_[k.a] * place.normal;
+    return place;
+  }
+  const Eigen::Vector2f from = disc_px(k.a), to = disc_px(k.b);
+  const Eigen::Vector2f step = to - from;
+  const float length = std::max(step.norm(), 1e-3f);
+  const Eigen::Vector2f d = step / length, across(-d.y() * k.side, d.x() * k.side);
+  const float sine = std::clamp((r_[k.a] - r_[k.b]) / length, -0.99f, 0.99f);
+  place.normal = sine * d + std::sqrt(1 - sine * sine) * across;
+  place.px = (1 - k.along) * (from + r_[k.a] * place.normal) +
+             k.along * (to + r_[k.b] * place.normal);
+  return place;
+}
+
+Eigen::Matrix<double, 1, kHandFreedoms> Silhouette::derivative(
+    const OutlineAnchor& k, const OutlinePlace& place) const noexcept {
+  Eigen::Matrix<double, 1, kHandFreedoms> row = Eigen::Matrix<double, 1, kHandFreedoms>::Zero();
+  const Eigen::RowVector3d outwards(place.normal.x(), place.normal.y(), 1);
+  const auto add = [&](int sphere, double weight) {
+    const Eigen::Matrix<double, 1, kOwnFreedoms> j = weight * outwards * J_[sphere];
+    row.head<6>() += j.head<6>();
+    row.tail<kFigureModes>() += j.tail<kFigureModes>();
+    const int finger = finger_of(sphere);
+    if (finger == kFingerCount) return;
+    row[kAbductionAt + finger] += j[6];
+    row[kFlexionAt + finger] += j[7];
+  };
+  if (k.a == k.b) {
+    add(k.a, 1);
+  } else {
+    add(k.a, 1 - k.along);
+    add(k.b, k.along);
+  }
+  row[kBoundaryAt] = 1;
+  return row;
+}
+
+void Silhouette::try_anchor(OutlineAnchor anchor, float unit_px, Anchors& anchors,
+                            int& count) const noexcept {
+  if (count == kMaxAnchors) return;
+  const OutlinePlace at = place(anchor);
+  const float first = 0.5f;
+  if (distance_px(at.px + first * at.normal) < 0.3f * first) return;  // behind another part
+  const float reach = static_cast<float>(to_px(kReach_m));
+  const auto least_outside = static_cast<float>(to_px(kLeastOutside_m)),
+             least_inside = static_cast<float>(to_px(kLeastInside_m));
+  // Free ground ends where another part of the figure begins; each step is as long as is surely
+  // free.
+  float r = std::max(2.0f, least_outside);
+  while (r < reach) {
+    const float d = distance_px(at.px + r * at.normal);
+    if (d < 0.35f * r) {
+      r = std::min(r, r + d) * 0.75f;
+      break;
+    }
+    r += std::max(d, 1.0f);
+  }
+  anchor.outside_px = std::min(r, reach);
+  if (anchor.outside_px < least_outside) return;
+  const float thick = anchor.a == anchor.b ? r_[anchor.a]
+                                           : (1 - anchor.along) * r_[anchor.a] + anchor.along * r_[anchor.b];
+  anchor.inside_px = std::min(1.5f * thick, reach);
+  if (anchor.inside_px < least_inside) return;
+  (void)unit_px;
+  anchors[count++] = anchor;
+}
+
+int Silhouette::choose(float spacing_px, Anchors& anchors) const noexcept {
+  const Topology& t = topology();
+  int count = 0;
+  for (int i = 0; i < t.own_pairs; ++i) {
+    const auto [a, b] = t.pairs[i];
+    if (a == kWristThumb && b == kWristLittle) continue;  // the wrist has no outline of its own
+    const float length = (disc_px(b) - disc_px(a)).norm(), dr = r_[a] - r_[b];
+    if (length <= std::abs(dr) + 0.5f) continue;
+    const float tangent = std::sqrt(length * length - dr * dr);
+    const int n = std::max(1, static_cast<int>(std::lround(tangent / spacing_px)));
+    for (const int side : {-1, 1})
+      for (int k = 0; k < n; ++k)
+        try_anchor({a, b, static_cast<std::int8_t>(side), (k + 0.5f) / n}, spacing_px, anchors, count);
+  }
+  for (const std::uint8_t s : kRound) {
+    const int n = std::max(6, static_cast<int>(std::lround(2 * std::numbers::pi * r_[s] / spacing_px)));
+    // Angles count from the finger's direction, so that they do not depend on the picture's axes.
+    float from = 0;
+    if (s < kFirstWeb) {
+      const Eigen::Vector2f d = disc_px(s) - disc_px(s - 1);
+      from = std::atan2(d.y(), d.x());
+    }
+    for (int k = 0; k < n; ++k)
+      try_anchor({s, s, 1, from + static_cast<float>(2 * std::numbers::pi * k / n)}, spacing_px, anchors, count);
+  }
+  return count;
+}
+
+}  // namespace handyar

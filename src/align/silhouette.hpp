@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "align/hand_view.hpp"
+#include "handyar/stages/align.hpp"
+#include "handyar/stages/hand_figure.hpp"
+
+namespace handyar {
+
+/// A place on the outline by what carries it, so that it moves with the figure: on the tangent of
+/// two discs, or, where both are the same, on a disc at a fixed angle.
+struct OutlineAnchor {
+  std::uint8_t a = 0, b = 0;  ///< spheres
+  std::int8_t side = 1;       ///< of the tangent, looking from a to b
+  float along = 0;            ///< 0 at a, 1 at b; for a single disc the angle of its normal (rad)
+  float inside_px = 0, outside_px = 0;  ///< how far the figure, and the free ground, reach
+};
+
+/// Where an anchor is, in pixels of the view, and how its normal displacement follows from the
+/// state.
+struct OutlinePlace {
+  Eigen::Vector2f px, normal;  ///< outwards
+};
+
+/// The figure projected into a view: discs, with derivatives by the state.
+class Silhouette {
+ public:
+  static constexpr int kMaxAnchors = 192;
+  using Anchors = std::array<OutlineAnchor, kMaxAnchors>;
+
+  Silhouette(Appearance appearance, const HandState& state, const HandView& view) noexcept;
+
+  /// Places on the visible outline, about `spacing_px` apart, that have enough of the hand and of
+  /// free ground beside them to be seen. Returns how many.
+  int choose(float spacing_px, Anchors& anchors) const noexcept;
+
+  OutlinePlace place(const OutlineAnchor& anchor) const noexcept;
+
+  /// Derivative of the outline's displacement along its normal there.
+  Eigen::Matrix<double, 1, kHandFreedoms> derivative(const OutlineAnchor& anchor,
+                                                     const OutlinePlace& place) const noexcept;
+
+  /// Distance of a point from the figure and the forearm, negative inside; px.
+  float distance_px(const Eigen::Vector2f& p) const noexcept;
+
+  /// Size of `length_m` at the hand.
+  double to_px(double length_m) const noexcept { return f_px_ * length_m / depth_m_; }
+  bool valid() const noexcept { return valid_; }
+
+  /// The figure without the forearm, grown by `grow_px`, as overlapping convex polygons.
+  static constexpr int kMostCorners = 24;
+  template <class Take>
+  void each_convex_piece(float grow_px, const Take& take) const {
+    std::array<Eigen::Vector2f, kMostCorners> corners;
+    for (int i = 0; i < own_capsules(); ++i)
+      take(std::span(corners.data(), capsule_polygon(i, grow_px, corners)));
+    for (int i = 0; i < sheet_count(); ++i)
+      take(std::span(corners.data(), sheet_polygon(i, corners)));
+  }
+
+  Eigen::Vector2f disc_px(int sphere) const noexcept { return {x_[sphere], y_[sphere]}; }
+  float radius_px(int sphere) const noexcept { return r_[sphere]; }
+
+ private:
+  // Two spheres more than the figure: the forearm, which only hides.
+  static constexpr int kDiscs = kSphereCount + 2;
+  // Tapered capsules, each pair of spheres that a hull has once; a multiple of a vector's width.
+  static constexpr int kMaxCapsules = 64;
+
+  struct Capsules {
+    alignas(32) std::array<float, kMaxCapsules> x, y, dx, dy, length, inverse_length, slope, r0, dr;
+  };
+
+  void project(Appearance appearance, const PosedFigure& posed, const HandState& state,
+               const HandView& view) noexcept;
+  void add_capsules() noexcept;
+  static int own_capsules() noexcept;
+  static int sheet_count() noexcept;
+  std::size_t capsule_polygon(int capsule, float grow_px,
+                              std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept;
+  std::size_t sheet_polygon(int sheet,
+                            std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept;
+  bool in_a_sheet(const Eigen::Vector2f& p) const noexcept;
+  void try_anchor(OutlineAnchor anchor, float unit_px, Anchors& anchors, int& count) const noexcept;
+
+  bool valid_ = true;
+  double f_px_ = 0, depth_m_ = 1;
+  std::array<float, kDiscs> x_{}, y_{}, r_{};
+  // Rows x, y, radius; columns rotation, translation, abduction and flexion of the sphere's finger,
+  // figure.
+  static constexpr int kOwnFigureAt = 8, kOwnFreedoms = kOwnFigureAt + kFigureModes;
+  std::array<Eigen::Matrix<double, 3, kOwnFreedoms>, kSphereCount> J_;
+  Capsules capsules_;
+  std::array<std::array<std::uint8_t, 2>, kMaxCapsules> ends_{};
+  int capsule_count_ = 0;
+};
+
+}  // namespace handyar

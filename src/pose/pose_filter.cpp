@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/pose_filter.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pose/so3.hpp"
+
+namespace handyar {
+namespace {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Vector12d = MotionState::Vector12d;
+using Matrix12d = MotionState::Matrix12d;
+
+// An acceleration lasts about this long, so its square times this is a spectral density.
+constexpr double kAccelerationLasts_s = 0.1;
+// Accelerations of the levels, as shares of the greatest. The first is the hand at rest: there its
+// velocity is zero and its place drifts a little. The second is a hand that is meant to be at rest.
+constexpr std::array<double, 4> kLevelShare{0.0, 0.003, 0.05, 1.0};
+constexpr double kDrift_m2_s = 1.6e-4 * 1.6e-4, kDrift_rad2_s = 1.7e-3 * 1.7e-3;
+// How long a level lasts in the mean.
+constexpr double kLevelLasts_s = 1.0;
+
+// At the start: a hand's usual speeds.
+constexpr double kStartSigma_m_s = 0.5, kStartSigma_rad_s = 3.0;
+// No measurement is better than this, whatever it says.
+constexpr double kLeastSigma_m = 5e-5, kLeastSigma_rad = 2e-4;
+
+/// Quantile of the chi2 distribution with six degrees of freedom.
+double chi2_quantile_6(double probability) {
+  double low = 0, high = 200;
+  for (int i = 0; i < 60; ++i) {
+    const double x = 0.5 * (low + high), h = 0.5 * x;
+    (1 - std::exp(-h) * (1 + h + 0.5 * h * h) < probability ? low : high) = x;
+  }
+  return high;
+}
+
+Vector6d diagonal(double rotation, double translation) {
+  Vector6d d;
+  d << Eigen::Vector3d::Constant(rotation), Eigen::Vector3d::Constant(translation);
+  return d;
+}
+
+/// The part of the covariance that is new in each frame; all of it where the parts are not known.
+Matrix6d fresh_covariance(const PoseEstimate& m) {
+  return m.noise_covariance.isZero(0) ? m.covariance : m.noise_covariance;
+}
+
+Matrix6d noise_of(const PoseEstimate& m) {
+  Matrix6d R = fresh_covariance(m);
+  R.diagonal() += diagonal(kLeastSigma_rad * kLeastSigma_rad, kLeastSigma_m * kLeastSigma_m);
+  return R;
+}
+
+Vector6d innovation(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation_m,
+                    const PoseEstimate& m) {
+  Vector6d y;
+  y << so3::log(Eigen::Quaterniond(m.T_camera_hand.linear()) * rotation.conjugate()),
+      m.T_camera_hand.translation() - translation_m;
+  return y;
+}
+
+}  // namespace
+
+Vector12d MotionState::difference(const MotionState& other) const noexcept {
+  Vector12d e;
+  e << so3::log(other.rotation * rotation.conjugate()), other.translation_m - translation_m,
+      other.angular_velocity_rad_s - angular_velocity_rad_s, other.velocity_m_s - velocity_m_s;
+  return e;
+}
+
+void MotionState::correct(const Vector12d& error) noexcept {
+  rotation = (so3::exp(error.head<3>()) * rotation).normalized();
+  translation_m += error.segment<3>(3);
+  angular_velocity_rad_s += error.segment<3>(6);
+  velocity_m_s += error.tail<3>();
+}
+
+void MotionState::advance(double dt, double density_m, double density_rad) noexcept {
+  const Eigen::Vector3d turn = angular_velocity_rad_s * dt;
+  const Eigen::Quaterniond turned = so3::exp(turn);
+  rotation = (turned * rotation).normalized();
+  translation_m += velocity_m_s * dt;
+
+  Eigen::Matrix<double, 6, 6> F_pose = Matrix6d::Identity(), F_velocity = Matrix6d::Identity() * dt;
+  F_pose.topLeftCorner<3, 3>() = turned.matrix();
+  F_velocity.topLeftCorner<3, 3>() += 0.5 * dt * so3::skew(turn);  // left Jacobian, first terms
+  const Matrix6d A = covariance.topLeftCorner<6, 6>(), B = covariance.topRightCorner<6, 6>(),
+                 D = covariance.bottomRightCorner<6, 6>();
+  const Matrix6d FB = F_pose * B * F_velocity.transpose();
+  covariance.topLeftCorner<6, 6>() = F_pose * A * F_pose.transpose() + FB + FB.transpose() +
+                                     F_velocity * D * F_velocity.transpose();
+  covariance.topRightCorner<6, 6>() = F_pose * B + F_velocity * D;
+
+  const Vector6d density = diagonal(density_rad, density_m) * std::abs(dt);
+  covariance.topLeftCorner<6, 6>().diagonal() += density * (dt * dt / 3);
+  covariance.topRightCorner<6, 6>().diagonal() += density * (dt / 2);
+  covariance.bottomRightCorner<6, 6>().diagonal() += density;
+  covariance.bottomLeftCorner<6, 6>() = covariance.topRightCorner<6, 6>().transpose().eval();
+}
+
+void MotionState::rest(double dt, double drift_m2_s, double drift_rad2_s) noexcept {
+  angular_velocity_rad_s.setZero();
+  velocity_m_s.setZero();
+  covariance.rightCols<6>().setZero();
+  covariance.bottomRows<6>().setZero();
+  covariance.topLeftCorner<6, 6>().diagonal() += diagonal(drift_rad2_s, drift_m2_s) * dt;
+}
+
+PoseFilter::PoseFilter(const PoseFilterConfig& config) noexcept
+    : config_(config), gate_(chi2_quantile_6(config.gate_probability)) {}
+
+void PoseFilter::reset() noexcept {
+  running_ = false;
+  refusals_ = 0;
+}
+
+void PoseFilter::start(double time_s, const PoseEstimate& m) noexcept {
+  MotionState state;
+  state.rotation = Eigen::Quaterniond(m.T_camera_hand.linear());
+  state.translation_m = m.T_camera_hand.translation();
+  state.covariance.topLeftCorner<6, 6>() = noise_of(m);
+  state.covariance.bottomRightCorner<6, 6>().diagonal() =
+      diagonal(kStartSigma_rad_s * kStartSigma_rad_s, kStartSigma_m_s * kStartSigma_m_s);
+  levels_.fill({state, 1.0 / kLevels});
+  lasting_ = m.covariance - fresh_covariance(m);
+  time_s_ = accepted_time_s_ = time_s;
+  running_ = true;
+  refusals_ = 0;
+}
+
+/// What each level starts from: the states of all, weighted by how probable a change to it is.
+void PoseFilter::mix(double dt_s) noexcept {
+  const double change = (1 - std::exp(-dt_s / kLevelLasts_s)) / (kLevels - 1);
+  const std::array<Level, kLevels> before = levels_;
+  std::array<std::array<Vector12d, kLevels>, kLevels> apart;  // error of i against j
+  for (int j = 0; j < kLevels; ++j)
+    for (int i = 0; i < kLevels; ++i) apart[j][i] = before[j].state.difference(before[i].state);
+
+  for (int j = 0; j < kLevels; ++j) {
+    std::array<double, kLevels> weight;
+    double sum = 0;
+    for (int i = 0; i < kLevels; ++i) {
+      weight[i] = before[i].probability * (i == j ? 1 - change * (kLevels - 1) : change);
+      sum += weight[i];
+    }
+    Vector12d mean = Vector12d::Zero();
+    for (int i = 0; i < kLevels; ++i) mean += weight[i] / sum * apart[j][i];
+    Matrix12d& P = levels_[j].state.covariance;
+    P.setZero();
+    for (int i = 0; i < kLevels; ++i) {
+      const Vector12d e = apart[j][i] - mean;
+      P += weight[i] / sum * (before[i].state.covariance + e * e.transpose());
+    }
+    levels_[j].state.correct(mean);
+    levels_[j].probability = sum;
+  }
+}
+
+bool PoseFilter::update(double time_s, const PoseEstimate& m) noexcept {
+  if (!std::isfinite(time_s) || !m.T_camera_hand.matrix().allFinite() ||
+      !m.covariance.allFinite() || !m.noise_covariance.allFinite())
+    return false;
+  if (running_ && time_s <= time_s_) return false;
+  if (!running_ || !config_.enabled || time_s - accepted_time_s_ > config_.max_coast_s) {
+    start(time_s, m);
+    return true;
+  }
+
+  const double dt_s = time_s - time_s_;
+  time_s_ = time_s;
+  mix(dt_s);
+  const Matrix6d R = noise_of(m);
+  const double m2 = config_.acceleration_m_s2 * config_.acceleration_m_s2 * kAccelerationLasts_s;
+  const double rad2 =
+      config_.acceleration_rad_s2 * config_.acceleration_rad_s2 * kAccelerationLasts_s;
+
+  std::array<Eigen::LLT<Matrix6d>, kLevels> S;
+  std::array<Vector6d, kLevels> y;
+  std::array<double, kLevels> log_likelihood;
+  double least_distance2 = std::numeric_limits<double>::infinity();
+  for (int j = 0; j < kLevels; ++j) {
+    MotionState& state = levels_[j].state;
+    const double share2 = kLevelShare[j] * kLevelShare[j];
+    if (j == 0)
+      state.rest(dt_s, kDrift_m2_s, kDrift_rad2_s);
+    else
+      state.advance(dt_s, share2 * m2, share2 * rad2);
+    y[j] = innovation(state.rotation, state.translation_m, m);
+    S[j].compute(state.covariance.topLeftCorner<6, 6>() + R);
+    const double distance2 = y[j].dot(S[j].solve(y[j]));
+    const double log_det = 2 * S[j].matrixLLT().diagonal().array().log().sum();
+    log_likelihood[j] = -0.5 * (distance2 + log_det);
+    least_distance2 = std::min(least_distance2, distance2);
+  }
+  if (!(least_distance2 < gate_)) return refuse(time_s, m);
+
+  const double best = *std::ranges::max_element(log_likelihood);
+  double sum = 0;
+  for (int j = 0; j < kLevels; ++j) {
+    MotionState& state = levels_[j].state;
+    const Eigen::Matrix<double, 12, 6> PHt = state.covariance.leftCols<6>();
+    const Eigen::Matrix<double, 12, 6> K = S[j].solve(PHt.transpose()).transpose();
+    state.correct(K * y[j]);
+    state.covariance -= K * PHt.transpose();
+    state.covariance = 0.5 * (state.covariance + state.covariance.transpose()).eval();
+    levels_[j].probability *= std::exp(log_likelihood[j] - best);
+    sum += levels_[j].probability;
+  }
+  for (Level& level : levels_) level.probability = std::max(level.probability / sum, 1e-9);
+  lasting_ = m.covariance - fresh_covariance(m);
+  accepted_time_s_ = time_s;
+  refusals_ = 0;
+  return true;
+}
+
+/// Counts refusals that a moving hand could explain; enough of them are the truth.
+bool PoseFilter::refuse(double time_s, const PoseEstimate& m) noexcept {
+  if (refusals_ > 0) {
+    const Vector6d y = innovation(Eigen::Quaterniond(refused_.T_camera_hand.linear()),
+                                  refused_.T_camera_hand.translation(), m);
+    const double dt_s = time_s - refused_time_s_;
+    Matrix6d S = noise_of(refused_) + noise_of(m);
+    const double rad = kStartSigma_rad_s * dt_s, metres = kStartSigma_m_s * dt_s;
+    S.diagonal() += diagonal(rad * rad, metres * metres);
+    if (!(y.dot(S.ldlt().solve(y)) < gate_)) refusals_ = 0;
+  }
+  ++refusals_;
+  refused_ = m;
+  refused_time_s_ = time_s;
+  if (refusals_ >= kRestart) {
+    start(time_s, m);
+    return true;
+  }
+  return false;
+}
+
+MotionState PoseFilter::combined() const noexcept {
+  const Level& likely = *std::ranges::max_element(levels_, {}, &Level::probability);
+  std::array<Vector12d, kLevels> e;
+  Vector12d mean = Vector12d::Zero();
+  for (int i = 0; i < kLevels; ++i) {
+    e[i] = likely.state.difference(levels_[i].state);
+    mean += levels_[i].probability * e[i];
+  }
+  MotionState state = likely.state;
+  state.covariance.setZero();
+  for (int i = 0; i < kLevels; ++i)
+    state.covariance += levels_[i].probability *
+                        (levels_[i].state.covariance + (e[i] - mean) * (e[i] - mean).transpose());
+  state.correct(mean);
+  return state;
+}
+
+std::optional<FilteredPose> PoseFilter::predict(double time_s) const noexcept {
+  if (!running_ || !(time_s - accepted_time_s_ <= config_.max_coast_s)) return std::nullopt;
+  MotionState state = combined();
+  if (config_.enabled) {
+    double share2 = 0;
+    for (int j = 0; j < kLevels; ++j)
+      share2 += levels_[j].probability * kLevelShare[j] * kLevelShare[j];
+    share2 *= kAccelerationLasts_s;
+    state.advance(time_s - time_s_, share2 * config_.acceleration_m_s2 * config_.acceleration_m_s2,
+                  share2 * config_.acceleration_rad_s2 * config_.acceleration_rad_s2);
+  }
+  FilteredPose pose;
+  pose.time_s = time_s;
+  pose.T_camera_hand.linear() = state.rotation.matrix();
+  pose.T_camera_hand.translation() = state.translation_m;
+  pose.velocity_m_s = state.velocity_m_s;
+  pose.angular_velocity_rad_s = state.angular_velocity_rad_s;
+  pose.covariance = state.covariance.topLeftCorner<6, 6>() + lasting_;
+  return pose;
+}
+
+}  // namespace handyar

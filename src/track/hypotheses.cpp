@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "track/hypotheses.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pose/so3.hpp"
+#include "track/start_pose.hpp"
+
+namespace handyar {
+namespace {
+
+// A new hand's colours are taken ever nearer to its outline while the figure settles on it.
+constexpr std::array<double, 4> kStartMargins_m{0.006, 0.004, 0.003, 0.002};
+constexpr double kForgetAll = 1e-3;
+// Two planar solutions that end this near to each other are one.
+constexpr double kSame_rad = 0.1;
+// Less likely than the best by so many nats: given up.
+constexpr double kUnlikely = 8.0;
+// Frames that follow each other err alike: evidence counts by the time a frame stands for.
+constexpr double kEvidence_s = 0.3, kLongest_s = 0.1;
+// The first frame counts like those that follow.
+constexpr double kFirstFrame = 0.1;
+// What was given up is thought of again this often, and believed once it explains the frames since
+// by so many nats better.
+constexpr double kReconsider_s = 1.0, kReconsiderWeight = -4.0;
+// A hand goes on as it went, a little slower: hands stop.
+constexpr double kKeepsOn = 0.8;
+
+/// A hand that has turned over shows its other face, with the thumb on the other side: the same
+/// solid, its frame turned by half a turn about the fingers.
+void turn_over(Hypothesis& h) {
+  Eigen::Isometry3d& T = h.alignment.state.T_camera_hand;
+  if (T.linear().col(2).dot(T.translation()) <= 0) return;
+  h.appearance = {opposite(h.appearance.face), opposite(h.appearance.layout)};
+  T.linear().col(0) *= -1;
+  T.linear().col(2) *= -1;
+}
+
+Hypothesis predicted(const Hypothesis& h, double dt_s) {
+  Hypothesis next = h;
+  const Eigen::Matrix<double, 6, 1> move = kKeepsOn * dt_s * h.velocity;
+  Eigen::Isometry3d& T = next.alignment.state.T_camera_hand;
+  T.linear() = so3::exp(move.head<3>()).toRotationMatrix() * T.linear();
+  T.translation() += move.tail<3>();
+  return next;
+}
+
+}  // namespace
+
+HandPrior prior_around(const HandState& expected, const Person& person,
+                       const Config& config) noexcept {
+  const MotionConfig& motion = config.motion;
+  HandPrior prior;
+  prior.mean = expected;
+  for (int f = 0; f < kFingerCount; ++f) { prior.mean.posture.abduction_rad[f] *= 0.7; prior.mean.posture.flexion_rad[f] *= 0.7; }
+  prior.mean.figure = person.mean();
+  HandVector sigma = HandVector::Ones();
+  sigma.head<3>().setConstant(motion.rotation_sigma_rad);
+  sigma.segment<3>(3).setConstant(motion.translation_sigma_m);
+  sigma.segment<kFingerCount>(kAbductionAt).setConstant(motion.abduction_sigma_rad);
+  sigma[kAbductionAt] = motion.thumb_abduction_sigma_rad;
+  sigma.segment<kFingerCount>(kFlexionAt).setConstant(motion.flexion_sigma_rad);
+  sigma[kBoundaryAt] = motion.boundary_sigma_px;
+  prior.information = sigma.array().square().inverse().matrix().asDiagonal();
+  prior.information.bottomRightCorner<kFigureModes, kFigureModes>() = person.information();
+  return prior;
+}
+
+void Hypotheses::add(Appearance appearance, const Alignment& alignment,
+                     double log_weight) noexcept {
+  if (!alignment.valid || count_ == kMost) return;
+  items_[count_] = {};
+  items_[count_].appearance = appearance;
+  items_[count_].alignment = alignment;
+  items_[count_++].log_weight = log_weight;
+}
+
+void Hypotheses::sort_and_prune() noexcept {
+  // In place: the library's stable sort takes memory.
+  const auto likelier = [](const auto& a, const auto& b) { return a.log_weight > b.log_weight; };
+  for (auto item = items_.begin(); item != items_.begin() + count_; ++item)
+    std::rotate(std::upper_bound(items_.begin(), item, *item, likelier), item, item + 1);
+  while (count_ > 1 && items_[count_ - 1].log_weight < items_[0].log_weight - kUnlikely) --count_;
+  const double best = count_ > 0 ? items_[0].log_weight : 0;
+  for (int i = 0; i < count_; ++i) items_[i].log_weight -= best;
+}
+
+bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame,
+                       const Camera& camera, const Person& person, const Config& config,
+                       Aligner& aligner) noexcept {
+  count_ = 0;
+  since_reconsidered_s_ = 0;
+  RoughTips tips;
+  for (int f = 0; f < kFingerCount; ++f) tips.px[f] = candidate.tips_px[f].cast<double>();
+  // Rough tips err by about this share of the hand's span.
+  constexpr double kRough = 0.06;
+  tips.sigma_px = std::max(1.0, kRough * (tips.px[0] - tips.px[4]).norm());
+  aligner.forget();
+  for (const Face face : {Face::palm, Face::back}) {
+    const Appearance appearance{face, candidate.layout};
+    HandState start;
+    start.figure = person.mean();
+    start.T_camera_hand = start_pose(tips, make_figure(start.figure, face, candidate.layout), camera);
+    const HandPrior prior = prior_around(start, person, config);
+    Alignment a;
+    a.state = start;
+    a.valid = true;
+    for (const double margin_m : kStartMargins_m) {
+      aligner.learn(frame, camera, appearance, a.state, kForgetAll, margin_m);
+      a = aligner.align(frame, camera, appearance, a.state, prior, true);
+      if (!a.valid) break;
+    }
+    add(appearance, a, kFirstFrame * a.log_posterior);
+    if (!a.valid) continue;
+    HandState other = a.state;
+    other.T_camera_hand = other_planar_solution(a.state.T_camera_hand);
+    const Alignment b = aligner.align(frame, camera, appearance, other, prior, true);
+    if (b.valid && a.state.difference(b.state).head<3>().norm() > kSame_rad)
+      add(appearance, b, kFirstFrame * b.log_posterior);
+  }
+  sort_and_prune();
+  return count_ > 0;
+}
+
+bool Hypotheses::follow(const ImageView& frame, const Camera& camera, const Person& person,
+                        double dt_s, const Config& config, Aligner& aligner) noexcept {
+  const double share = std::min(dt_s, kLongest_s) / kEvidence_s;
+  for (int i = count_ - 1; i >= 0; --i) {  // the best last: its outline is the one to show
+    Hypothesis& h = items_[i];
+    const HandState before = h.alignment.state, expected = predicted(h, dt_s).alignment.state;
+    h.alignment = aligner.align(frame, camera, h.appearance, expected,
+                                prior_around(expected, person, config), false);
+    if (!h.alignment.valid) continue;
+    h.velocity = before.difference(h.alignment.state).head<6>() / dt_s;
+    turn_over(h);
+    h.log_weight += share * h.alignment.log_posterior;
+  }
+  const auto end = std::remove_if(items_.begin(), items_.begin() + count_,
+                                  [](const Hypothesis& h) { return !h.alignment.valid; });
+  count_ = static_cast<int>(end - items_.begin());
+  sort_and_prune();
+  since_reconsidered_s_ += dt_s;
+  if (since_reconsidered_s_ > kReconsider_s) {
+    since_reconsidered_s_ = 0;
+    reconsider(frame, camera, person, config, aligner);
+  }
+  return count_ > 0;
+}
+
+void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, const Person& person,
+                            const Config& config, Aligner& aligner) noexcept {
+  if (count_ != 1) return;
+  const Hypothesis& now = items_[0];
+  constexpr int kAlternatives = 3;
+  const bool other_face = turn_ % kAlternatives != 2, other_plane = turn_ % kAlternatives != 0;
+  ++turn_;
+  Appearance appearance = now.appearance;
+  if (other_face) appearance.face = opposite(appearance.face);
+  HandState start = now.alignment.state;
+  start.posture = {};
+  if (other_plane) start.T_camera_hand = other_planar_solution(start.T_camera_hand);
+  const Alignment a =
+      aligner.align(frame, camera, appearance, start, prior_around(start, person, config), true);
+  if (!a.valid || (!other_face && a.state.difference(now.alignment.state).head<3>().norm() < kSame_rad))
+    return;
+  add(appearance, a, now.log_weight + kReconsiderWeight);
+}
+
+}  // namespace handyar

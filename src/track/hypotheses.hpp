@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "handyar/camera.hpp"
+#include "handyar/config.hpp"
+#include "handyar/image_view.hpp"
+#include "handyar/stages/align.hpp"
+#include "handyar/stages/hand_finder.hpp"
+#include "track/person.hpp"
+
+namespace handyar {
+
+/// One way to see the hand: palm or back, and one of the two planar solutions.
+struct Hypothesis {
+  Appearance appearance;
+  Alignment alignment;
+  Eigen::Matrix<double, 6, 1> velocity = Eigen::Matrix<double, 6, 1>::Zero();  ///< a second
+  double log_weight = 0;  ///< evidence so far, nats
+};
+
+/// The ways to see the hand that are still possible; the likeliest first. Empty: no hand.
+class Hypotheses {
+ public:
+  static constexpr int kMost = 4;
+
+  int size() const { return count_; }
+  const Hypothesis& best() const { return items_[0]; }
+  void clear() { count_ = 0; }
+
+  /// Both faces and both planar solutions of a hand that the finder saw. False when none of them
+  /// can be laid on the picture.
+  bool begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
+             const Person& person, const Config& config, Aligner& aligner) noexcept;
+
+  /// Lays each on the next frame, weighs them, drops the unlikely. False when none can be seen.
+  bool follow(const ImageView& frame, const Camera& camera, const Person& person, double dt_s,
+              const Config& config, Aligner& aligner) noexcept;
+
+ private:
+  /// Thinks again of the other face or the other planar solution, one at a time: colours and figure
+  /// are better known than when they were given up, and hands turn over.
+  void reconsider(const ImageView& frame, const Camera& camera, const Person& person,
+                  const Config& config, Aligner& aligner) noexcept;
+  void add(Appearance appearance, const Alignment& alignment, double log_weight) noexcept;
+  void sort_and_prune() noexcept;
+
+  std::array<Hypothesis, kMost> items_;
+  int count_ = 0;
+  int turn_ = 0;  ///< of the alternatives, which one is next
+  double since_reconsidered_s_ = 0;
+};
+
+/// The prior of a frame around an expected state.
+HandPrior prior_around(const HandState& expected, const Person& person,
+                       const Config& config) noexcept;
+
+}  // namespace handyar

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+
+#include "handyar/stages/align.hpp"
+#include "handyar/stages/hand_figure.hpp"
+
+namespace handyar {
+
+/// What is known of the person's figure: a Gaussian in information form, learned from frame to
+/// frame.
+class Person {
+ public:
+  using Information = Eigen::Matrix<double, kFigureModes, kFigureModes>;
+
+  explicit Person(const FigureEstimate& known);
+
+  const FigureCoefficients& mean() const { return mean_; }
+  const Information& information() const { return information_; }
+
+  FigureEstimate estimate() const noexcept;
+
+  /// Takes what an aligned frame says of the figure, whatever its pose and posture, `share` of it:
+  /// neighbouring frames say the same.
+  void learn(const Alignment& alignment, double share) noexcept;
+
+ private:
+  FigureCoefficients mean_;
+  Information information_;
+};
+
+}  // namespace handyar

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "align/silhouette.hpp"
+#include "track/tracker_state.hpp"
+
+namespace handyar {
+namespace {
+
+bool inside(const Eigen::Vector2d& px, const Camera& camera) {
+  return px.x() >= 0 && px.y() >= 0 && px.x() <= camera.width_px - 1 &&
+         px.y() <= camera.height_px - 1;
+}
+
+/// Where a point of the hand lies in the frame.
+Tip shown(const Eigen::Vector3d& p_hand, const Eigen::Isometry3d& T_camera_hand,
+          const Camera& camera) {
+  const Eigen::Vector3d p = T_camera_hand * p_hand;
+  Tip tip;
+  if (p.z() < 1e-3) return tip;
+  tip.px = camera.project(p);
+  tip.seen = inside(tip.px, camera);
+  tip.inferred = !tip.seen;
+  return tip;
+}
+
+}  // namespace
+
+void HandTracker::Impl::report(TrackResult& result) noexcept {
+  result.state = seen.state;
+  evidence = {};
+  evidence.candidates = candidates;
+  evidence.belief = seen.belief;
+  evidence.hypotheses = seen.hypotheses.size();
+  if (seen.hypotheses.size() == 0) return;
+  const Hypothesis& best = seen.hypotheses.best();
+  const HandState& state = best.alignment.state;
+  evidence.outline = aligner.outline();
+  evidence.log_ratio = best.alignment.log_ratio;
+  result.layout = best.appearance.layout;
+  result.face = best.appearance.face;
+  const HandFigure figure = make_figure(state.figure, best.appearance.face, best.appearance.layout);
+  const PosedFigure posed = pose_fingers(figure, state.posture);
+  for (int f = 0; f < kFingerCount; ++f)
+    result.tips[f] = shown(posed.tips_m.col(f), state.T_camera_hand, camera);
+  for (int k = 0; k < kValleyCount; ++k)
+    result.webs[k] = shown(posed.centres_m.col(kFirstWeb + k), state.T_camera_hand, camera);
+  const HandMatrix& H = best.alignment.information;
+  for (int f = 0; f < kFingerCount; ++f)
+    result.fingers[f] = {state.posture.abduction_rad[f], 1 / std::sqrt(H(kAbductionAt + f, kAbductionAt + f)),
+                         state.posture.flexion_rad[f], 1 / std::sqrt(H(kFlexionAt + f, kFlexionAt + f))};
+  if (seen.state != State::tracking) {
+    result.raw_pose.reset();
+    result.pose.reset();
+  } else {
+    result.doubtful = evidence.log_ratio < 8 || !result.pose ||
+                      sigma_rotation_rad(result.pose->covariance) > config.belief.doubt_rad;
+  }
+}
+
+}  // namespace handyar

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "track/start_pose.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "pose/so3.hpp"
+
+namespace handyar {
+namespace {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+// Hands are shown to a camera within about this of straight on.
+constexpr double kTilt_rad = 0.35;
+constexpr double kNearest_m = 0.05, kFarthest_m = 5.0;
+
+/// Facing the camera: the similarity that lays the figure's fingertips on the rays.
+Eigen::Isometry3d facing(const RoughTips& tips, const HandFigure& figure, const Camera& camera) {
+  Eigen::Vector2d mean_hand = Eigen::Vector2d::Zero(), mean_ray = Eigen::Vector2d::Zero();
+  std::array<Eigen::Vector2d, kFingerCount> rays;
+  for (int f = 0; f < kFingerCount; ++f) {
+    rays[f] = camera.unproject(tips.px[f]);
+    mean_ray += rays[f] / kFingerCount;
+    mean_hand += figure.tips_m.col(f).head<2>() / kFingerCount;
+  }
+  // The camera's y points down, the hand's up: x to x, y to -y, turned by an angle.
+  double c = 0, s = 0, size = 0;
+  for (int f = 0; f < kFingerCount; ++f) {
+    const Eigen::Vector2d h = figure.tips_m.col(f).head<2>() - mean_hand, a(h.x(), -h.y()),
+                          b = rays[f] - mean_ray;
+    c += a.dot(b);
+    s += a.x() * b.y() - a.y() * b.x();
+    size += a.squaredNorm();
+  }
+  const double scale = std::max(std::hypot(c, s) / size, 1 / kFarthest_m);
+  const double angle = std::atan2(s, c), depth_m = std::clamp(1 / scale, kNearest_m, kFarthest_m);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+               Eigen::Vector3d(1, -1, -1).asDiagonal();
+  const Eigen::Vector3d line(mean_ray.x(), mean_ray.y(), 1);
+  T.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), line) * T.linear();
+  const Eigen::Vector3d middle(mean_hand.x(), mean_hand.y(), 0);
+  T.translation() = depth_m * line - T.linear() * middle;
+  return T;
+}
+
+}  // namespace
+
+Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure& figure,
+                             const Camera& camera) noexcept {
+  const Eigen::Isometry3d start = facing(tips, figure, camera);
+  Eigen::Isometry3d T = start;
+  const Eigen::Vector3d sight = T.translation().normalized();
+  // Turning about the line of sight is free, tilting has the prior.
+  const Eigen::Matrix3d tilt_information =
+      (Eigen::Matrix3d::Identity() - sight * sight.transpose()) / (kTilt_rad * kTilt_rad);
+  constexpr int kIterations = 6;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    Matrix6d H = 1e-9 * Matrix6d::Identity();
+    Vector6d g = Vector6d::Zero();
+    for (int f = 0; f < kFingerCount; ++f) {
+      const Eigen::Vector3d turned = T.linear() * figure.tips_m.col(f), p = turned + T.translation();
+      if (p.z() < kNearest_m) return start;
+      Eigen::Matrix<double, 2, 3> J_point;
+      const Eigen::Vector2d error = tips.px[f] - camera.project(p, &J_point);
+      Eigen::Matrix<double, 2, 6> J;
+      J << -J_point * so3::skew(turned), J_point;
+      H += J.transpose() * J / (tips.sigma_px * tips.sigma_px);
+      g += J.transpose() * error / (tips.sigma_px * tips.sigma_px);
+    }
+    const Eigen::Vector3d turned_so_far =
+        so3::log(Eigen::Matrix3d(T.linear() * start.linear().transpose()));
+    H.topLeftCorner<3, 3>() += tilt_information;
+    g.head<3>() -= tilt_information * turned_so_far;
+    const Vector6d step = H.ldlt().solve(g);
+    if (!step.allFinite()) return start;
+    T.linear() = (so3::exp(step.head<3>()) * Eigen::Quaterniond(T.linear())).normalized().toRotationMatrix();
+    T.translation() += step.tail<3>();
+  }
+  return T.translation().z() > kNearest_m ? T : start;
+}
+
+Eigen::Isometry3d other_planar_solution(const Eigen::Isometry3d& T_camera_hand) noexcept {
+  const Eigen::Vector3d sight = -T_camera_hand.translation().normalized();
+  const Eigen::Vector3d normal = T_camera_hand.linear().col(2);
+  const Eigen::Vector3d mirrored = 2 * sight.dot(normal) * sight - normal;
+  Eigen::Isometry3d other = T_camera_hand;
+  other.linear() =
+      Eigen::Quaterniond::FromTwoVectors(normal, mirrored).toRotationMatrix() * T_camera_hand.linear();
+  return other;
+}
+
+}  // namespace handyar

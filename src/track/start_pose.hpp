@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "handyar/camera.hpp"
+#include "handyar/stages/align.hpp"
+
+namespace handyar {
+
+/// Fingertips as a finder gives them: rough.
+struct RoughTips {
+  std::array<Eigen::Vector2d, kFingerCount> px;
+  double sigma_px = 10;
+};
+
+/// The pose of a hand that faces the camera as far as its rough fingertips allow: they tell place,
+/// size and direction well, tilt badly, so tilt has a prior.
+Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure& figure,
+                             const Camera& camera) noexcept;
+
+/// The other pose in which a plane looks nearly the same: its normal mirrored at the line of sight.
+Eigen::Isometry3d other_planar_solution(const Eigen::Isometry3d& T_camera_hand) noexcept;
+
+}  // namespace handyar

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: MIT
+#include "track/tracker_state.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace handyar {
+namespace {
+
+// What an aligned figure's log ratio says of there being a hand at all: a figure is laid as well as
+// it can be on anything, so it speaks for a hand only from here on, and less than it claims.
+constexpr double kEven = 10.5, kClaim = 0.4;
+// A hand whose log ratio is less than this was lost from frame to frame.
+constexpr double kSlipped = 6.0;
+// No frame says more than this, either way.
+constexpr double kMostFrame = 4.0;
+// Frames that follow each other err alike: what they say counts by the time they stand for.
+constexpr double kEvidence_s = 0.2;
+// A hand that is followed surely is shown to the finder this often.
+constexpr double kLook_s = 0.2;
+// The finder reads a hand as it is followed when each fingertip is this near, in shares of the
+// distance from the palm to the farthest; otherwise when only the palms are as near as this.
+constexpr float kSameTips = 0.25f, kSamePalm = 0.8f;
+// The finder sees nothing where a hand is followed: it may be too tilted, or half hidden.
+constexpr double kUnseen = -2.0;
+// Another reading of the hand that is followed takes over when it explains the picture by this much
+// better.
+constexpr double kClearlyBetter = 1.0;
+// Candidates less likely than this are not worth the time of laying a figure on them.
+constexpr double kWorthTrying = -1.0;
+
+double evidence_of(const Alignment& alignment) {
+  return std::clamp(kClaim * (alignment.log_ratio - kEven), -kMostFrame, kMostFrame);
+}
+
+// Less evidence than this in one frame and nothing is learned from it.
+constexpr double kLearnable = 8.0;
+// The part of the pose's covariance that is new in each frame; the rest comes from what the figure
+// cannot explain and stays while the view does.
+constexpr double kNoisePart = 0.05;
+
+/// The pose's part of an aligned state.
+Matrix6d pose_covariance(const HandMatrix& information) {
+  const HandMatrix covariance = information.llt().solve(HandMatrix::Identity());
+  return covariance.topLeftCorner<6, 6>();
+}
+
+}  // namespace
+
+HandTracker::Impl::Impl(const Camera& c, const HandModel& h, const Config& cfg)
+    : config(cfg),
+      hand(h),
+      calibrated_camera(c),
+      camera(c),
+      aligner(cfg.align),
+      scout(cfg.align),
+      seen{.hypotheses = {},
+           .person = Person(estimate_figure(h)),
+           .filter = PoseFilter(cfg.filter)},
+      learned_hand(h) {}
+
+void HandTracker::Impl::reset() noexcept {
+  seen = {.hypotheses = {},
+          .person = Person(estimate_figure(hand)),
+          .filter = PoseFilter(config.filter)};
+  aligner.forget();
+  scout.forget();
+  candidates = {};
+  evidence = {};
+  learned_hand = hand;
+}
+
+FrameStatus HandTracker::Impl::admit(const ImageView& frame, double time_s) noexcept {
+  const FrameStatus status = check(frame);
+  if (status != FrameStatus::ok) return status;
+  if (!std::isfinite(time_s) || !(time_s > seen.time_s)) return FrameStatus::time_not_increasing;
+  if (frame.width_px != camera.width_px || frame.height_px != camera.height_px) {
+    camera = calibrated_camera.scaled_to(frame.width_px, frame.height_px);
+    seen.hypotheses.clear();
+    seen.belief = 0;
+  }
+  return FrameStatus::ok;
+}
+
+void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
+  if (!seen.hypotheses.follow(frame, camera, seen.person, dt_s, config, aligner))
+    seen.hypotheses.clear();
+}
+
+HandTracker::Impl::Followed HandTracker::Impl::followed() const noexcept {
+  const Hypothesis& best = seen.hypotheses.best();
+  const HandState& state = best.alignment.state;
+  const HandFigure figure = make_figure(state.figure, best.appearance.face, best.appearance.layout);
+  const PosedFigure posed = pose_fingers(figure, state.posture);
+  Followed now;
+  const auto shown = [&](const Eigen::Vector3d& p) {
+    return camera.project(state.T_camera_hand * p).cast<float>().eval();
+  };
+  now.palm_px = shown(Eigen::Vector3d::Zero());
+  for (int f = 0; f < kFingerCount; ++f) now.tips_px[f] = shown(posed.tips_m.col(f));
+  for (const Eigen::Vector2f& tip : now.tips_px)
+    now.size_px = std::max(now.size_px, (tip - now.palm_px).norm());
+  return now;
+}
+
+HandTracker::Impl::Reading HandTracker::Impl::compare(const HandCandidate& candidate,
+                                                      const Followed& now) const noexcept {
+  if ((candidate.palm_px - now.palm_px).norm() > kSamePalm * now.size_px) return Reading::elsewhere;
+  for (int f = 0; f < kFingerCount; ++f)
+    if ((candidate.tips_px[f] - now.tips_px[f]).norm() > kSameTips * now.size_px)
+      return Reading::otherwise;
+  return Reading::same;
+}
+
+double HandTracker::Impl::verdict() const noexcept {
+  const Followed now = followed();
+  double says = kUnseen;
+  for (const HandCandidate& candidate : candidates) {
+    const Reading reading = compare(candidate, now);
+    if (reading == Reading::same) return candidate.log_odds;
+    if (reading == Reading::otherwise && candidate.log_odds > 0) says = 0;
+  }
+  return says;
+}
+
+void HandTracker::Impl::find(const ImageView& frame, bool only_there) noexcept {
+  if (only_there) {
+    const Followed now = followed();
+    Eigen::Vector2f around = now.palm_px;
+    for (const Eigen::Vector2f& tip : now.tips_px) around += tip;
+    constexpr float kSizes = 3.9f;
+    candidates = finder.look(frame, {around / (1 + kFingerCount), kSizes * now.size_px});
+    if (verdict() > 0) return;
+  }
+  candidates = finder.search(frame);
+}
+
+void HandTracker::Impl::look(const ImageView& frame) noexcept {
+  const bool had = seen.hypotheses.size() > 0;
+  const bool sure = had && seen.state == State::tracking && !slipped();
+  const double since_s = seen.time_s - seen.looked_s;
+  if (sure && since_s < kLook_s) return;
+  seen.looked_s = seen.time_s;
+  find(frame, sure);
+  if (had)
+    seen.belief += std::min(1.0, since_s / kEvidence_s) *
+                   std::clamp(verdict(), -kMostFrame, kMostFrame);
+  begin(frame);
+}
+
+void HandTracker::Impl::begin(const ImageView& frame) noexcept {
+  const bool had = seen.hypotheses.size() > 0 && !slipped();
+  const double followed_ratio = had ? seen.hypotheses.best().alignment.log_ratio : 0;
+  const double belief = had ? seen.belief + evidence_of(seen.hypotheses.best().alignment) : 0;
+  for (const HandCandidate& candidate : candidates) {
+    const Reading reading = had ? compare(candidate, followed()) : Reading::elsewhere;
+    if (candidate.log_odds < kWorthTrying || reading == Reading::same ||
+        (reading == Reading::elsewhere && candidate.log_odds + kMostFrame < belief))
+      continue;
+    Hypotheses fresh;
+    if (!fresh.begin(candidate, frame, camera, seen.person, config, scout)) continue;
+    const Alignment& best = fresh.best().alignment;
+    // Of two readings of one hand the picture decides, of two hands the one that is believed more.
+    const bool better = reading == Reading::otherwise
+                            ? best.log_ratio > followed_ratio + kClearlyBetter
+                            : candidate.log_odds + evidence_of(best) > belief;
+    if (!better) continue;
+    seen.hypotheses = fresh;
+    std::swap(aligner, scout);
+    seen.filter.reset();
+    if (reading == Reading::elsewhere) seen.belief = candidate.log_odds;
+    return;
+  }
+}
+
+bool HandTracker::Impl::slipped() const noexcept {
+  return seen.hypotheses.best().alignment.log_ratio < kSlipped;
+}
+
+void HandTracker::Impl::believe(double dt_s) noexcept {
+  const BeliefConfig& limits = config.belief;
+  const bool is_seen = seen.hypotheses.size() > 0;
+  if (is_seen) {
+    const double share = std::clamp(dt_s / kEvidence_s, 0.0, 1.0);
+    seen.belief = std::min(seen.belief + share * evidence_of(seen.hypotheses.best().alignment), limits.most);
+  }
+  const bool was = seen.state == State::tracking || seen.state == State::lost;
+  if (!is_seen || seen.belief < limits.give_up) {
+    seen.hypotheses.clear();
+    seen.belief = 0;
+    constexpr double kRemember_s = 3.0;
+    seen.state = was && seen.time_s - seen.tracked_s < kRemember_s ? State::lost : State::searching;
+  } else if (seen.belief > limits.believe || seen.state == State::tracking) {
+    seen.state = State::tracking;
+    seen.tracked_s = seen.time_s;
+  } else {
+    seen.state = was ? State::lost : State::acquiring;
+  }
+}
+
+void HandTracker::Impl::filter(TrackResult& result) noexcept {
+  const Alignment& best = seen.hypotheses.best().alignment;
+  PoseEstimate raw;
+  raw.T_camera_hand = best.state.T_camera_hand;
+  raw.covariance = pose_covariance(best.information);
+  raw.noise_covariance = kNoisePart * raw.covariance;
+  raw.rms_px = best.rms_px;
+  result.raw_pose = raw;
+  seen.filter.update(seen.time_s, raw);
+  result.pose = seen.filter.predict(seen.time_s);
+}
+
+void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
+  const Hypothesis& best = seen.hypotheses.best();
+  if (best.alignment.log_ratio < kLearnable) return;
+  constexpr double kMargin_m = 0.0011;  // blur: the boundary's own colours are neither side's
+  const double keep = std::exp(-std::min(dt_s, 1.0) / config.learning.colors_s);
+  aligner.learn(frame, camera, best.appearance, best.alignment.state, static_cast<float>(keep),
+                kMargin_m);
+  if (seen.hypotheses.size() == 1 && seen.state == State::tracking)
+    seen.person.learn(best.alignment, std::clamp(dt_s / config.learning.person_s, 0.0, 0.1));
+  learned_hand = hand_of_figure(seen.person.estimate(), best.appearance.layout);
+  learned_hand.source = hand.scale_assumed() ? HandSource::self : hand.source;
+  learned_hand.average_scale = hand.scale_assumed();
+  learned_hand.thickness_m = hand.thickness_m;
+}
+
+}  // namespace handyar

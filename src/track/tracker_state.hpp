@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "handyar/stages/align.hpp"
+#include "handyar/stages/hand_finder.hpp"
+#include "handyar/tracker.hpp"
+#include "track/hypotheses.hpp"
+#include "track/person.hpp"
+
+namespace handyar {
+
+/// All that the tracker knows from frame to frame; resetting it forgets everything.
+struct TrackerState {
+  double time_s = -std::numeric_limits<double>::infinity();
+  State state = State::searching;
+  double belief = 0;  ///< log odds of hand against no hand
+  double looked_s = -std::numeric_limits<double>::infinity();
+  double tracked_s = -std::numeric_limits<double>::infinity();
+  Hypotheses hypotheses;
+  Person person;
+  PoseFilter filter;
+};
+
+struct HandTracker::Impl {
+  Impl(const Camera& camera, const HandModel& hand, const Config& config);
+
+  FrameStatus admit(const ImageView& frame, double time_s) noexcept;
+  void follow(const ImageView& frame, double dt_s) noexcept;
+  void look(const ImageView& frame) noexcept;
+  void believe(double dt_s) noexcept;
+  void filter(TrackResult& result) noexcept;
+  void learn(const ImageView& frame, double dt_s) noexcept;
+  void report(TrackResult& result) noexcept;
+  HandMask draw_mask() noexcept;
+  void reset() noexcept;
+
+  /// The hand that is followed, in the frame.
+  struct Followed {
+    Eigen::Vector2f palm_px = Eigen::Vector2f::Zero();
+    std::array<Eigen::Vector2f, kFingerCount> tips_px{};
+    float size_px = 0;  ///< from the palm to the farthest tip
+  };
+  Followed followed() const noexcept;
+  /// How the finder reads the place where a hand is followed.
+  enum class Reading { same, otherwise, elsewhere };
+  Reading compare(const HandCandidate& candidate, const Followed& now) const noexcept;
+  bool slipped() const noexcept;
+  double verdict() const noexcept;  ///< of the finder on the hand that is followed, log odds
+  void find(const ImageView& frame, bool only_there) noexcept;
+  void begin(const ImageView& frame) noexcept;
+
+  Config config;
+  HandModel hand;            ///< as given
+  Camera calibrated_camera;  ///< as given
+  Camera camera;             ///< for frames of the present size
+  HandFinder finder;
+  Aligner aligner;
+  Aligner scout;  ///< tries hands that the finder saw, with colours of their own
+  TrackerState seen;
+
+  // Of the last frame, for those who ask.
+  std::span<const HandCandidate> candidates;
+  FrameEvidence evidence;
+  HandModel learned_hand;
+  std::vector<std::uint8_t> mask;
+};
+
+}  // namespace handyar

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/stages/align.hpp"
+
+#include <gtest/gtest.h>
+
+#include "drawn_hand.hpp"
+#include "track/hypotheses.hpp"
+#include "track/start_pose.hpp"
+
+namespace handyar {
+namespace {
+
+using test::deg;
+using test::gauss;
+
+/// A drawn hand, and an aligner that has learned its colours.
+struct Scene {
+  explicit Scene(Appearance appearance = {}, int width_px = 640, int height_px = 480)
+      : camera(Camera::from_field_of_view(width_px, height_px)), picture(width_px, height_px) {
+    hand.appearance = appearance;
+    hand.state.T_camera_hand = test::hand_at(0.4, deg(25), deg(140));
+    picture.texture(24, "Scene");
+    picture.paint(hand, camera, hand.state.T_camera_hand);
+    picture.add_noise(4, 1);
+    aligner.learn(picture.view(), camera, appearance, hand.state, 0, 0.002);
+  }
+
+  HandPrior prior(const HandState& around) const {
+    return prior_around(around, Person(estimate_figure(average_adult_hand())), {});
+  }
+
+  Alignment align(const HandState& start) {
+    return aligner.align(picture.view(), camera, hand.appearance, start, prior(start), true);
+  }
+
+  Camera camera;
+  test::DrawnHand hand;
+  test::Picture picture;
+  Aligner aligner;
+};
+
+class AlignerOf : public testing::TestWithParam<Appearance> {};
+
+TEST_P(AlignerOf, ComesBackFromStartsThatAreOff) {
+  Scene scene(GetParam());
+  std::mt19937 rng = test::random_for("starts");
+  for (int i = 0; i < 20; ++i) {
+    HandState start = scene.hand.state;
+    start.T_camera_hand.linear() =
+        (Eigen::AngleAxisd(deg(8), test::gauss3(rng, 1).normalized()) *
+         start.T_camera_hand.linear()).eval();
+    start.T_camera_hand.translation() += test::gauss3(rng, 0.004);
+    const Alignment a = scene.align(start);
+    ASSERT_TRUE(a.valid);
+    const auto error = test::pose_error(scene.hand.state.T_camera_hand, a.state.T_camera_hand);
+    EXPECT_LT(error.head<3>().norm(), deg(2.5)) << i;
+    EXPECT_LT(a.rms_px, 1.0);
+    EXPECT_GT(a.log_ratio, 15);
+    // The covariance tells the truth, within what a Gaussian's tails allow.
+    const HandMatrix covariance = a.information.inverse();
+    const Matrix6d pose = covariance.topLeftCorner<6, 6>();
+    EXPECT_LT(error.dot(pose.ldlt().solve(error)), 30) << i;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Appearances, AlignerOf,
+                         testing::Values(Appearance{Face::palm, Layout::thumb_right},
+                                         Appearance{Face::palm, Layout::thumb_left},
+                                         Appearance{Face::back, Layout::thumb_right},
+                                         Appearance{Face::back, Layout::thumb_left}));
+
+TEST(Aligner, AnEmptyRoomSpeaksAgainstAHand) {
+  Scene scene;
+  test::Picture room(640, 480);
+  room.texture(24, "Scene");
+  room.add_noise(4, 2);
+  const Alignment a = scene.aligner.align(room.view(), scene.camera, scene.hand.appearance,
+                                          scene.hand.state, scene.prior(scene.hand.state), false);
+  EXPECT_TRUE(!a.valid || a.log_ratio < 6) << a.log_ratio;
+}
+
+TEST(Aligner, HandsAndRoomsOfAnyColourAreToldApart) {
+  for (const test::Bgr& hand : {test::Bgr{255, 255, 255}, {0, 0, 0}, {255, 0, 255}, {0, 255, 0}}) {
+    Scene scene;
+    scene.picture = test::Picture(640, 480, {std::uint8_t(255 - hand[0]), std::uint8_t(255 - hand[1]),
+                                             std::uint8_t(255 - hand[2])});
+    scene.picture.paint(scene.hand, scene.camera, scene.hand.state.T_camera_hand, hand);
+    scene.aligner.forget();
+    scene.aligner.learn(scene.picture.view(), scene.camera, scene.hand.appearance,
+                        scene.hand.state, 0, 0.002);
+    const Alignment a = scene.align(scene.hand.state);
+    ASSERT_TRUE(a.valid);
+    EXPECT_GT(a.log_ratio, 20);
+    EXPECT_LT(test::rotation_error_rad(scene.hand.state.T_camera_hand, a.state.T_camera_hand),
+              deg(2));
+  }
+}
+
+TEST(Aligner, TheOutlineReportedIsWhereTheHandEnds) {
+  Scene scene;
+  const Alignment a = scene.align(scene.hand.state);
+  ASSERT_TRUE(a.valid);
+  const auto outline = scene.aligner.outline();
+  ASSERT_GT(outline.size(), 60u);
+  int beside = 0;
+  for (const OutlinePoint& p : outline) {
+    EXPECT_NEAR(p.normal.norm(), 1, 0.1);
+    beside += std::abs(p.found_px) > 2;
+  }
+  EXPECT_LT(beside, 0.1 * static_cast<double>(outline.size()));
+}
+
+TEST(Aligner, WhatLiesOutsideTheFrameOrBehindTheCameraIsNoHand) {
+  Scene scene;
+  HandState away = scene.hand.state, behind = away;
+  away.T_camera_hand.translation().x() += 5;
+  behind.T_camera_hand.translation().z() *= -1;
+  EXPECT_FALSE(scene.align(away).valid);
+  EXPECT_FALSE(scene.align(behind).valid);
+}
+
+TEST(StartPose, RoughTipsAreEnough) {
+  const Camera camera = test::rendered_camera();
+  std::mt19937 rng = test::random_for("rough");
+  const HandFigure figure = make_figure(FigureCoefficients::Zero(), Face::palm, Layout::thumb_right);
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Isometry3d truth = test::hand_at(0.45, deg(15), gauss(rng, 3), {0.05, 0.01});
+    RoughTips tips;
+    tips.sigma_px = 8;
+    for (int f = 0; f < kFingerCount; ++f)
+      tips.px[f] = camera.project(truth * figure.tips_m.col(f).eval()) +
+                   Eigen::Vector2d(gauss(rng, 8), gauss(rng, 8));
+    const auto error = test::pose_error(truth, start_pose(tips, figure, camera));
+    EXPECT_LT(error.head<3>().norm(), deg(60)) << "tilt is hardly seen";
+    EXPECT_LT(error.tail<3>().norm(), 0.1);
+  }
+}
+
+TEST(StartPose, TheOtherPlanarSolutionMirrorsTheTiltAndTwiceIsTheFirst) {
+  const Eigen::Isometry3d T = test::hand_at(0.4, deg(30), deg(20));
+  const Eigen::Isometry3d other = other_planar_solution(T);
+  const Eigen::Vector3d sight = T.translation().normalized();
+  EXPECT_NEAR(T.linear().col(2).dot(sight), other.linear().col(2).dot(sight), 1e-9);
+  EXPECT_GT(test::rotation_error_rad(T, other), deg(20));
+  EXPECT_LT(test::rotation_error_rad(T, other_planar_solution(other)), 1e-6);
+}
+
+}  // namespace
+}  // namespace handyar

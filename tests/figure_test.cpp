@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "align/silhouette.hpp"
+#include "handyar/stages/hand_figure.hpp"
+#include "synthetic_hand.hpp"
+
+namespace handyar {
+namespace {
+
+using test::deg;
+using test::gauss;
+
+FigureCoefficients somebody() {
+  std::mt19937 rng = test::random_for("somebody");
+  FigureCoefficients c;
+  for (double& x : c) x = gauss(rng, 1);
+  return c;
+}
+
+TEST(HandFigure, IsInTheHandFrameInEveryAppearance) {
+  for (const Face face : {Face::palm, Face::back})
+    for (const Layout layout : {Layout::thumb_right, Layout::thumb_left})
+      for (const FigureCoefficients& c : {FigureCoefficients::Zero().eval(), somebody()}) {
+        const HandFigure figure = make_figure(c, face, layout);
+        EXPECT_NEAR(figure.tips_m(0, 2), 0, 1e-9) << "x of the middle fingertip";
+        EXPECT_NEAR(figure.tips_m(1, 0), 0, 1e-9) << "y of the thumb tip";
+        EXPECT_EQ(figure.tips_m(0, 0) > 0, layout == Layout::thumb_right);
+        EXPECT_GT(figure.tips_m(1, 2), 0.05);
+        EXPECT_GT(figure.radii_m.minCoeff(), 0.002);
+        EXPECT_LT(figure.radii_m.maxCoeff(), 0.05);
+      }
+}
+
+TEST(HandFigure, LayoutsAreMirrorImagesAndFacesTheSameSolidTurnedOver) {
+  const FigureCoefficients c = somebody();
+  const HandFigure right = make_figure(c, Face::palm, Layout::thumb_right),
+                   left = make_figure(c, Face::palm, Layout::thumb_left),
+                   back = make_figure(c, Face::back, Layout::thumb_left);
+  const Eigen::Matrix3d mirror = Eigen::Vector3d(-1, 1, 1).asDiagonal(),
+                        turn = Eigen::Vector3d(-1, 1, -1).asDiagonal();
+  EXPECT_LT((mirror * right.centres_m - left.centres_m).norm(), 1e-9);
+  EXPECT_LT((turn * right.centres_m - back.centres_m).norm(), 1e-9);
+  EXPECT_LT((right.radii_m - back.radii_m).norm(), 1e-12);
+}
+
+TEST(HandFigure, DerivativesAgreeWithCentralDifferences) {
+  const FigureCoefficients c = somebody();
+  constexpr double kStep = 1e-3;
+  for (int k = 0; k < kFigureModes; ++k) {
+    FigureCoefficients more = c, less = c;
+    more[k] += kStep;
+    less[k] -= kStep;
+    const HandFigure a = make_figure(more, Face::back, Layout::thumb_left),
+                     b = make_figure(less, Face::back, Layout::thumb_left);
+    for (int s = 0; s < kSphereCount; ++s) {
+      const auto J = figure_derivative(s, Face::back, Layout::thumb_left);
+      const Eigen::Vector3d moved = (a.centres_m.col(s) - b.centres_m.col(s)) / (2 * kStep);
+      EXPECT_LT((J.col(k).head<3>() - moved).norm(), 1e-9);
+      EXPECT_NEAR(J(3, k), (a.radii_m[s] - b.radii_m[s]) / (2 * kStep), 1e-9);
+    }
+  }
+}
+
+TEST(HandFigure, FingersTurnTowardsTheThumbAndBendTowardsThePalm) {
+  for (const Face face : {Face::palm, Face::back})
+    for (const Layout layout : {Layout::thumb_right, Layout::thumb_left}) {
+      const HandFigure figure = make_figure(FigureCoefficients::Zero(), face, layout);
+      const double thumb = layout == Layout::thumb_right ? 1 : -1;
+      const double palm = face == Face::palm ? 1 : -1;  // z points out of the face that is seen
+      for (int f = 1; f < kFingerCount; ++f) {
+        Posture turned, bent;
+        turned.abduction_rad[f] = bent.flexion_rad[f] = deg(10);
+        const Eigen::Vector3d rest = pose_fingers(figure, {}).tips_m.col(f);
+        EXPECT_GT(thumb * (pose_fingers(figure, turned).tips_m.col(f) - rest).x(), 0.005);
+        EXPECT_GT(palm * (pose_fingers(figure, bent).tips_m.col(f) - rest).z(), 0.005);
+      }
+    }
+}
+
+TEST(HandFigure, AHandModelOfAFigureTellsItAgain) {
+  FigureEstimate figure;
+  figure.mean = somebody();
+  figure.covariance *= 1e-4;
+  HandModel hand = hand_of_figure(figure, Layout::thumb_left);
+  EXPECT_LT((estimate_figure(hand).mean - figure.mean).norm(), 1e-9);
+  hand.source = HandSource::truth;
+  hand.figure.reset();  // fingertips alone tell the tips, and the rest by what is usual
+  const HandModel again = hand_of_figure(estimate_figure(hand), Layout::thumb_left);
+  EXPECT_LT((again.tips_m - hand.tips_m).topRows<2>().colwise().norm().maxCoeff(), 0.003);
+  const FigureEstimate larger = rescaled(figure, 1.1);
+  EXPECT_NEAR(hand_of_figure(larger, Layout::thumb_left).span_m() / hand.span_m(), 1.1, 0.01);
+}
+
+TEST(Silhouette, DerivativesAgreeWithCentralDifferences) {
+  Camera camera = test::rendered_camera();
+  camera.distortion = {-0.1, 0.03, 0, 0, 0};
+  HandState state;
+  state.T_camera_hand = test::hand_at(0.4, deg(35), deg(50), {0.06, -0.02});
+  state.figure = 0.5 * somebody();
+  // At rest: how a figure's derivative turns with its bent fingers is left out, being small.
+  const HandView view(camera, state.T_camera_hand.translation());
+  const Appearance appearance{Face::palm, Layout::thumb_right};
+  const Silhouette silhouette(appearance, state, view);
+  ASSERT_TRUE(silhouette.valid());
+  Silhouette::Anchors anchors;
+  const int count = silhouette.choose(6, anchors);
+  ASSERT_GT(count, 60);
+  for (int i = 0; i < count; ++i) {
+    const OutlinePlace place = silhouette.place(anchors[i]);
+    EXPECT_NEAR(silhouette.distance_px(place.px), 0, 0.5) << "on the outline";
+    const auto J = silhouette.derivative(anchors[i], place);
+    for (int k = 0; k < kHandFreedoms; ++k) {
+      if (k == kBoundaryAt) {
+        EXPECT_EQ(J[k], 1);
+        continue;
+      }
+      const double step = k < 3 || (k >= kAbductionAt && k < kBoundaryAt) ? 2e-3
+                          : k < 6                                         ? 5e-4
+                                                                          : 0.1;
+      HandVector by = HandVector::Zero();
+      by[k] = step;
+      HandState more = state, less = state;
+      more.correct(by);
+      less.correct(-by);
+      const auto moved = [&](const HandState& s) {
+        return Silhouette(appearance, s, view).place(anchors[i]).px.dot(place.normal);
+      };
+      const double numeric = (moved(more) - moved(less)) / (2 * step);
+      EXPECT_NEAR(J[k], numeric, 0.05 * std::abs(numeric) + 0.002 / step)
+          << "anchor " << i << " freedom " << k;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace handyar

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <bit>
+
+#include "find/network.hpp"
+#include "hand_film.hpp"
+#include "handyar/stages/hand_finder.hpp"
+
+namespace handyar {
+namespace {
+
+using test::deg;
+using test::Film;
+using test::Picture;
+
+/// A drawn hand of a span of about `span_px` before a room of patches.
+struct Shown {
+  Film film;
+  Picture picture;
+
+  explicit Shown(double span_px, double turn_rad = 0, int width_px = 640, int height_px = 480)
+      : film({}, width_px, height_px), picture(width_px, height_px) {
+    picture.texture(30, "Room");
+    const double distance_m = 0.165 * film.camera.fx_px / span_px;
+    Eigen::Isometry3d T = test::hand_at(distance_m, deg(15), 0.6);
+    T.linear() = Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()) * T.linear();
+    film.T_camera_hand = T;
+    picture.paint(film.hand, film.camera, T);
+    picture.add_noise(4, 7);
+  }
+
+  /// Largest distance of a candidate's tips to the true ones, in spans.
+  double worst(const HandCandidate& hand) const {
+    double px = 0;
+    for (int f = 0; f < kFingerCount; ++f)
+      px = std::max(px, (hand.tips_px[f].cast<double>() - film.true_tip_px(f)).norm());
+    return px / (film.true_tip_px(0) - film.true_tip_px(4)).norm();
+  }
+};
+
+class FinderAt : public testing::TestWithParam<int> {};
+
+TEST_P(FinderAt, FindsHandsOfEverySizeAndTurn) {
+  HandFinder finder;
+  for (const double turn : {-25.0, 0.0, 25.0}) {
+    const Shown shown(GetParam(), deg(turn));
+    const auto hands = finder.search(shown.picture.view());
+    ASSERT_GT(hands.size(), 0u) << turn;
+    EXPECT_GT(hands[0].log_odds, 1) << turn;
+    EXPECT_EQ(hands[0].layout, Layout::thumb_right);
+    EXPECT_LT(shown.worst(hands[0]), 0.2) << turn;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(SpansPx, FinderAt, testing::Values(110, 160, 240, 330));
+
+TEST(Finder, MirroredPicturesShowTheOtherLayout) {
+  const Shown shown(220);
+  HandFinder finder;
+  const Picture mirrored = shown.picture.mirrored();
+  const auto hands = finder.search(mirrored.view());
+  ASSERT_GT(hands.size(), 0u);
+  EXPECT_EQ(hands[0].layout, Layout::thumb_left);
+  for (int f = 0; f < kFingerCount; ++f) {
+    const Eigen::Vector2d px = hands[0].tips_px[f].cast<double>();
+    const double span = 220;
+    EXPECT_LT((Eigen::Vector2d(639 - px.x(), px.y()) - shown.film.true_tip_px(f)).norm(),
+              0.2 * span);
+  }
+}
+
+TEST(Finder, SizesAndShapesOfFramesDoNotMatter) {
+  HandFinder finder;
+  for (const auto& [width, height, span] :
+       {std::tuple{161, 121, 60}, {321, 243, 110}, {480, 640, 200}, {1280, 720, 400},
+        {1920, 1080, 500}}) {
+    const Shown shown(span, 0, width, height);
+    const auto hands = finder.search(shown.picture.view());
+    ASSERT_GT(hands.size(), 0u) << width;
+    EXPECT_LT(shown.worst(hands[0]), 0.2) << width;
+  }
+}
+
+TEST(Finder, SeesNothingWhereThereIsNothing) {
+  HandFinder finder;
+  Picture flat(640, 480), room(640, 480), noise(640, 480);
+  room.texture(30, "Room");
+  noise.add_noise(70, 3);
+  for (const Picture* picture : {&flat, &room, &noise})
+    for (int i = 0; i < 6; ++i)  // all of its parts
+      for (const HandCandidate& hand : finder.search(picture->view()))
+        EXPECT_LT(hand.log_odds, 0);
+}
+
+TEST(Finder, GivesTheSameBitsAgain) {
+  const Shown shown(200);
+  HandFinder a, b;
+  const auto first = a.search(shown.picture.view());
+  const std::vector<HandCandidate> expected(first.begin(), first.end());
+  b.search(Picture(640, 480).view());
+  b.reset();
+  const auto second = b.search(shown.picture.view());
+  ASSERT_EQ(second.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(second[i].log_odds, expected[i].log_odds);
+    EXPECT_EQ(second[i].tips_px, expected[i].tips_px);
+  }
+}
+
+// Layers are summed in one order everywhere: the outputs' bits are the same on every machine, with
+// and without vectors. The number is made anew whenever the weights are.
+TEST(Finder, TheNetworkGivesTheSameBitsEverywhere) {
+  FinderNetwork network;
+  std::mt19937 rng = test::random_for("network");
+  for (float& x : network.input()) x = static_cast<float>(rng() % 256);
+  std::uint32_t hash = 2166136261u;
+  for (const float x : network.run()) hash = (hash ^ std::bit_cast<std::uint32_t>(x)) * 16777619u;
+  EXPECT_EQ(hash, 0u);
+}
+
+}  // namespace
+}  // namespace handyar

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: MIT
+"""Writes the trained weights as C++: export.py finder.pt ../../src/find/finder_weights.inc.
+
+Batch normalisation is folded into the convolutions; each output's weights become 8-bit with a scale
+of their own.
+"""
+import sys
+
+import numpy as np
+import torch
+
+from network import Finder
+
+
+def blocks(net):
+    """(weights [..., outputs], biases) in the order in which src/find/network.cpp reads them."""
+    def folded(conv, norm):
+        w = conv.weight.detach().numpy()
+        if norm is None:
+            return w, conv.bias.detach().numpy()
+        k = (norm.weight / torch.sqrt(norm.running_var + norm.eps)).detach().numpy()
+        return w * k[:, None, None, None], (norm.bias - norm.running_mean * torch.from_numpy(k)).detach().numpy()
+
+    def plain(conv, norm):  # outputs last
+        w, b = folded(conv, norm)
+        return np.transpose(w, (2, 3, 1, 0)).reshape(-1, w.shape[0]), b
+
+    def separable(s):
+        w, b = folded(s.depth, s.depth_norm)
+        return [(np.transpose(w[:, 0], (1, 2, 0)).reshape(-1, w.shape[0]), b), plain(s.point, s.point_norm)]
+
+    out = [plain(net.stem, net.stem_norm)]
+    out += separable(net.down1) + separable(net.at1) + separable(net.down2)
+    for s in net.at2:
+        out += separable(s)
+    out += separable(net.down3)
+    for s in net.at3:
+        out += separable(s)
+    out.append(plain(net.up2, None))
+    out += separable(net.join2)
+    out.append(plain(net.up1, None))
+    for s in net.join1:
+        out += separable(s)
+    out.append(plain(net.head, None))
+    return out
+
+
+def quantised(w):
+    scale = np.maximum(np.abs(w).max(0), 1e-8) / 127
+    return np.round(w / scale).astype(int), scale
+
+
+def main():
+    net = Finder()
+    net.load_state_dict(torch.load(sys.argv[1]))
+    net.eval()
+    odds = [float(x) for x in sys.argv[3].split(',')] if len(sys.argv) > 3 else [0.0, 1.0, 0.0]
+    weights, scales, table = [], [], []
+    for w, b in blocks(net):
+        q, s = quantised(w)
+        weights += q.reshape(-1).tolist()
+        scales += s.tolist() + b.tolist()
+        table.append((q.size, q.shape[1]))
+
+    def lines(numbers, form):
+        text, line = [], ' '
+        for n in numbers:
+            item = ' ' + form(n) + ','
+            if len(line) + len(item) > 100:
+                text.append(line)
+                line = ' '
+            line += item
+        return '\n'.join(text + [line])
+
+    with open(sys.argv[2], 'w') as f:
+        f.write('// SPDX-License-Identifier: MIT\n// Made by tools/finder/export.py; do not edit.\n\n'
+                '/// So many weights of a layer, in 8 bits, and outputs with a scale and a bias each.\n'
+                'struct FinderBlock {\n  int weights, outputs;\n};\n')
+        f.write('inline constexpr FinderBlock kFinderBlocks[] = {\n%s};\n' % lines(table, lambda t: '{%d, %d}' % t))
+        f.write('/// Scales of a block, then its biases.\ninline constexpr float kFinderScales[] = {\n%s};\n'
+                % lines(scales, lambda x: '%.7ef' % x))
+        f.write('inline constexpr std::int8_t kFinderWeights[] = {\n%s};\n' % lines(weights, str))
+        f.write('// Log odds of a hand: constant, by the palm\'s logit, by the mean support of its fingertips.\n'
+                'inline constexpr float kFinderOdds[] = {%s};\n' % ', '.join('%.4ff' % o for o in odds))
+    print(len(weights), 'weights,', len(scales) // 2, 'scales')
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: MIT
+"""The finder's network: a small fully convolutional encoder and decoder.
+
+Input 3 x 120 x 160 (red, green, blue, each about -1 to 1), output OUTPUTS x 30 x 40. src/find runs
+the same layers in the same order; export.py writes their weights there.
+"""
+import torch
+import torch.nn as nn
+import torch.nn.functional as F
+
+WIDTH, HEIGHT, STRIDE = 160, 120, 4
+CELLS_X, CELLS_Y = WIDTH // STRIDE, HEIGHT // STRIDE
+# Maps: a palm with the thumb right, left; the tips; x and y of each tip from the palm.
+PALMS, TIPS, OFFSETS = slice(0, 2), slice(2, 7), slice(7, 17)
+OUTPUTS = 17
+OFFSET_UNIT = 8.0  # cells: what an output of 1 means
+
+CHANNELS = (16, 32, 64, 96)
+
+
+class Separable(nn.Module):
+    """Depthwise, then pointwise; with a shortcut where sizes allow."""
+
+    def __init__(self, inputs, outputs, size, stride=1):
+        super().__init__()
+        self.depth = nn.Conv2d(inputs, inputs, size, stride, size // 2, groups=inputs, bias=False)
+        self.depth_norm = nn.BatchNorm2d(inputs)
+        self.point = nn.Conv2d(inputs, outputs, 1, bias=False)
+        self.point_norm = nn.BatchNorm2d(outputs)
+        self.shortcut = stride == 1 and inputs == outputs
+
+    def forward(self, x):
+        y = F.relu(self.depth_norm(self.depth(x)))
+        y = self.point_norm(self.point(y))
+        return F.relu(x + y) if self.shortcut else F.relu(y)
+
+
+class Finder(nn.Module):
+    def __init__(self):
+        super().__init__()
+        a, b, c, d = CHANNELS
+        self.stem = nn.Conv2d(3, a, 3, 2, 1, bias=False)
+        self.stem_norm = nn.BatchNorm2d(a)
+        self.down1 = Separable(a, b, 3, 2)
+        self.at1 = Separable(b, b, 3)
+        self.down2 = Separable(b, c, 3, 2)
+        self.at2 = nn.Sequential(*[Separable(c, c, 5) for _ in range(3)])
+        self.down3 = Separable(c, d, 3, 2)
+        self.at3 = nn.Sequential(*[Separable(d, d, 5) for _ in range(7)])
+        self.up2 = nn.Conv2d(d, c, 1)
+        self.join2 = Separable(c, c, 3)
+        self.up1 = nn.Conv2d(c, b, 1)
+        self.join1 = nn.Sequential(Separable(b, b, 5), Separable(b, b, 5))
+        self.head = nn.Conv2d(b, OUTPUTS, 1)
+        nn.init.constant_(self.head.bias, 0)
+        nn.init.constant_(self.head.bias[0:7], -4.0)
+
+    def forward(self, x):
+        x = F.relu(self.stem_norm(self.stem(x)))
+        x1 = self.at1(self.down1(x))
+        x2 = self.at2(self.down2(x1))
+        x3 = self.at3(self.down3(x2))
+        y2 = self.join2(x2 + F.interpolate(self.up2(x3), scale_factor=2)[..., : x2.shape[2], :])
+        y1 = self.join1(x1 + F.interpolate(self.up1(y2), scale_factor=2))
+        return self.head(y1)
+
+
+if __name__ == '__main__':
+    net = Finder()
+    print(sum(p.numel() for p in net.parameters()), 'parameters', net(torch.zeros(1, 3, HEIGHT, WIDTH)).shape)
