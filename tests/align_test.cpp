@@ -46,9 +46,9 @@ TEST_P(AlignerOf, ComesBackFromStartsThatAreOff) {
   std::mt19937 rng = test::random_for("starts");
   for (int i = 0; i < 20; ++i) {
     HandState start = scene.hand.state;
-    start.T_camera_hand.linear() =
-        (Eigen::AngleAxisd(deg(8), test::gauss3(rng, 1).normalized()) *
-         start.T_camera_hand.linear()).eval();
+    start.T_camera_hand.linear() = (Eigen::AngleAxisd(deg(8), test::gauss3(rng, 1).normalized()) *
+                                    start.T_camera_hand.linear())
+                                       .eval();
     start.T_camera_hand.translation() += test::gauss3(rng, 0.004);
     const Alignment a = scene.align(start);
     ASSERT_TRUE(a.valid);
@@ -81,12 +81,13 @@ TEST(Aligner, AnEmptyRoomSpeaksAgainstAHand) {
 TEST(Aligner, HandsAndRoomsOfAnyColourAreToldApart) {
   for (const test::Bgr& hand : {test::Bgr{255, 255, 255}, {0, 0, 0}, {255, 0, 255}, {0, 255, 0}}) {
     Scene scene;
-    scene.picture = test::Picture(640, 480, {std::uint8_t(255 - hand[0]), std::uint8_t(255 - hand[1]),
-                                             std::uint8_t(255 - hand[2])});
+    scene.picture = test::Picture(
+        640, 480,
+        {std::uint8_t(255 - hand[0]), std::uint8_t(255 - hand[1]), std::uint8_t(255 - hand[2])});
     scene.picture.paint(scene.hand, scene.camera, scene.hand.state.T_camera_hand, hand);
     scene.aligner.forget();
-    scene.aligner.learn(scene.picture.view(), scene.camera, scene.hand.appearance,
-                        scene.hand.state, 0, 0.002);
+    scene.aligner.learn(scene.picture.view(), scene.camera, scene.hand.appearance, scene.hand.state,
+                        0, 0.002);
     const Alignment a = scene.align(scene.hand.state);
     ASSERT_TRUE(a.valid);
     EXPECT_GT(a.log_ratio, 20);
@@ -121,7 +122,8 @@ TEST(Aligner, WhatLiesOutsideTheFrameOrBehindTheCameraIsNoHand) {
 TEST(StartPose, RoughTipsAreEnough) {
   const Camera camera = test::rendered_camera();
   std::mt19937 rng = test::random_for("rough");
-  const HandFigure figure = make_figure(FigureCoefficients::Zero(), Face::palm, Layout::thumb_right);
+  const HandFigure figure =
+      make_figure(FigureCoefficients::Zero(), Face::palm, Layout::thumb_right);
   for (int i = 0; i < 50; ++i) {
     const Eigen::Isometry3d truth = test::hand_at(0.45, deg(15), gauss(rng, 3), {0.05, 0.01});
     RoughTips tips;

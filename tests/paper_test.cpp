@@ -43,7 +43,8 @@ TEST(HandRegion, IsTheLargestRegionAndItsPalmTheLargestDisc) {
   Film film;
   film.T_camera_hand = film.pose_at(0);
   film.extra = [](test::Picture& p) {
-    p.paint([](const Eigen::Vector2d& px) { return (px - Eigen::Vector2d(60, 60)).norm() - 20; }, 1);
+    p.paint([](const Eigen::Vector2d& px) { return (px - Eigen::Vector2d(60, 60)).norm() - 20; },
+            1);
   };
   const test::Picture picture = film.picture();
   HandRegion region;
@@ -186,8 +187,7 @@ struct PaperFilm {
   Tracker tracker;
   TrackResult result;
 
-  explicit PaperFilm(const Config& config = {})
-      : tracker(film.camera, film.hand_model, config) {}
+  explicit PaperFilm(const Config& config = {}) : tracker(film.camera, film.hand_model, config) {}
   const TrackResult& next() {
     film.time_s += 1 / film.fps;
     ++film.frame;
@@ -206,8 +206,8 @@ TEST(PaperTracker, TracksAfterItsVoteAndGivesThePose) {
     EXPECT_EQ(paper.result.layout, Layout::thumb_right);
     for (int i = 0; i < 30; ++i) paper.next();
     ASSERT_TRUE(paper.result.pose);
-    EXPECT_LT(test::rotation_error_rad(paper.film.T_camera_hand,
-                                       paper.result.pose->T_camera_hand), deg(12));
+    EXPECT_LT(test::rotation_error_rad(paper.film.T_camera_hand, paper.result.pose->T_camera_hand),
+              deg(12));
     EXPECT_GT(paper.tracker.mask().width, 0);
     paper.film.present = false;
     for (int i = 0; i < 10; ++i) paper.next();

@@ -53,8 +53,8 @@ TEST(Tracker, PoseAgainstExactTruth) {
     ASSERT_TRUE(film.result.pose) << "frame " << film.frame;
     rotation_rad = std::max(rotation_rad, rotation_error_rad(film));
     translation_m =
-        std::max(translation_m, test::translation_error_m(film.T_camera_hand,
-                                                          film.result.pose->T_camera_hand));
+        std::max(translation_m,
+                 test::translation_error_m(film.T_camera_hand, film.result.pose->T_camera_hand));
     tips_px = std::max(tips_px, film.worst_tip_px());
     mean_tips_px += film.mean_tip_px() / 40;
   }
@@ -151,7 +151,8 @@ TEST(Tracker, FingersThatMoveLeaveThePalmsPoseAndAreReported) {
     worst_rad = std::max(worst_rad, rotation_error_rad(film));
     for (int f = 0; f < kFingerCount; ++f)
       abduction_rad += std::abs(film.result.fingers[f].abduction_rad -
-                                film.hand.state.posture.abduction_rad[f]) / (90 * kFingerCount);
+                                film.hand.state.posture.abduction_rad[f]) /
+                       (90 * kFingerCount);
   }
   EXPECT_LT(worst_rad, deg(4));
   EXPECT_LT(abduction_rad, deg(1.5)) << "of 2.6 deg in the mean that they move";
@@ -207,8 +208,7 @@ TEST_P(TrackerNeverTracks, WhatIsNoOutstretchedHand) {
     paint([](const V& p) { return 90 * (V((p.x() - 320) / 90, (p.y() - 220) / 125).norm() - 1); });
   if (what == "square")
     paint([](const V& p) { return (p - V(320, 240)).cwiseAbs().maxCoeff() - 80; });
-  if (what == "arm")
-    paint([](const V& p) { return std::abs(p.x() + 2 * p.y() - 800) / 2.2 - 40; });
+  if (what == "arm") paint([](const V& p) { return std::abs(p.x() + 2 * p.y() - 800) / 2.2 - 40; });
   if (what == "noise") film.noise = 60;
   for (int i = 0; i < 30; ++i) {
     expect_consistent(film.next());

@@ -82,8 +82,7 @@ int evaluate(const Evaluation& e) {
   std::vector<StillResult> stills;
   if (!photographs.empty()) {
     ProgressLine line("stills: ");
-    stills =
-        track_stills(photographs, [&](int done, int of) { line.show(done, of); });
+    stills = track_stills(photographs, [&](int done, int of) { line.show(done, of); });
   }
   const RunDescription run{command_line(), HANDYAR_VERSION};
   for (const std::string& note : write_report(e.report, run, analyses, stills))

@@ -118,7 +118,9 @@ Command add_track(CLI::App& app) {
                    "With --method paper: at full or half the input's size")
       ->check(CLI::IsMember({"full", "half"}))
       ->capture_default_str();
-  options->add_option("--fingertips", choices->fingertips, "With --method paper: how fingertips are measured")
+  options
+      ->add_option("--fingertips", choices->fingertips,
+                   "With --method paper: how fingertips are measured")
       ->check(CLI::IsMember(kFingertipMethods))
       ->capture_default_str();
   options->add_flag("--no-annotation", choices->no_annotation,

@@ -9,20 +9,22 @@ namespace handyar {
 /// When a hand is believed. What a frame shows adds to the belief, its log odds of hand against no
 /// hand, by the time it stands for; older frames fade.
 struct BeliefConfig {
-  double believe = 2.0;    ///< log odds from which on a hand is tracked
-  double give_up = -2.0;   ///< log odds below which it is lost
-  double most = 8.0;       ///< no hand is believed more, so that it can be given up in time
-  double doubt_rad = 0.2;  ///< a pose whose orientation is less sure (standard deviation) is doubtful
+  double believe = 2.0;   ///< log odds from which on a hand is tracked
+  double give_up = -2.0;  ///< log odds below which it is lost
+  double most = 8.0;      ///< no hand is believed more, so that it can be given up in time
+  double doubt_rad =
+      0.2;  ///< a pose whose orientation is less sure (standard deviation) is doubtful
 };
 
 /// How a hand moves from frame to frame, and how fingers do.
 struct MotionConfig {
-  double rotation_sigma_rad = 0.35;    ///< of a frame's pose around what the frames before foretell
-  double translation_sigma_m = 0.06;   ///< the same
-  double abduction_sigma_rad = 0.042;  ///< of a finger's turn around the person's rest posture
-  double thumb_abduction_sigma_rad = 0.09;
-  double flexion_sigma_rad = 0.052;    ///< of its bend
-  double boundary_sigma_px = 0.3;      ///< change of the outline's offset in a frame
+  double rotation_sigma_rad = 0.35;   ///< of a frame's pose around what the frames before foretell
+  double translation_sigma_m = 0.06;  ///< the same
+  double posture_keeps = 0.7;  ///< share of a finger's turn and bend expected to last a frame
+  double abduction_sigma_rad = 0.042;       ///< of a finger's turn around what is expected
+  double thumb_abduction_sigma_rad = 0.09;  ///< of the thumb's, which swings twice as far
+  double flexion_sigma_rad = 0.052;         ///< of a finger's bend
+  double boundary_sigma_px = 0.3;           ///< change of the outline's offset in a frame
 };
 
 /// How fast what is seen is learned, in seconds.

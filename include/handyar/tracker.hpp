@@ -56,14 +56,14 @@ struct TrackResult {
   FrameStatus status = FrameStatus::ok;  ///< anything but ok: the frame was not processed
   double time_s = 0;
   State state = State::searching;
-  bool doubtful = false;        ///< tracking, but the pose is not to be relied on
-  std::optional<Layout> layout; ///< while acquiring and tracking
-  std::optional<Face> face;     ///< palm or back, as far as it is told
-  std::array<Tip, kFingerCount> tips;     ///< in finger order; while acquiring the best so far
-  std::array<Tip, kValleyCount> webs;     ///< web i between finger i and i + 1
+  bool doubtful = false;               ///< tracking, but the pose is not to be relied on
+  std::optional<Layout> layout;        ///< while acquiring and tracking
+  std::optional<Face> face;            ///< palm or back, as far as it is told
+  std::array<Tip, kFingerCount> tips;  ///< in finger order; while acquiring the best so far
+  std::array<Tip, kValleyCount> webs;  ///< web i between finger i and i + 1
   std::array<FingerState, kFingerCount> fingers;  ///< while there is a pose
-  std::optional<PoseEstimate> raw_pose;  ///< from this frame alone, before the filter
-  std::optional<FilteredPose> pose;      ///< filtered, at this frame's time
+  std::optional<PoseEstimate> raw_pose;           ///< from this frame alone, before the filter
+  std::optional<FilteredPose> pose;               ///< filtered, at this frame's time
   StageTimes times;
   bool scale_assumed = false;   ///< the hand was not measured: lengths are an average adult's
   bool camera_assumed = false;  ///< the camera was not calibrated
@@ -109,8 +109,8 @@ class HandTracker {
   /// The pose expected at a later time, for display; empty when not tracking.
   std::optional<FilteredPose> predict(double time_s) const noexcept;
 
-  /// The figure's silhouette in the last frame; empty (width 0) without a hand. Valid until the next
-  /// process(); written anew by each call, so not for two threads at once.
+  /// The figure's silhouette in the last frame; empty (width 0) without a hand. Valid until the
+  /// next process(); written anew by each call, so not for two threads at once.
   HandMask mask() const noexcept;
 
   /// The person's hand as far as it was learned, in the layout now tracked.

@@ -33,8 +33,9 @@ constexpr double kLearnInside_m = 0.0075, kLearnOutside_m = 0.0135;
 }  // namespace
 
 void HandState::correct(const HandVector& step) noexcept {
-  T_camera_hand.linear() =
-      (so3::exp(step.head<3>()) * Eigen::Quaterniond(T_camera_hand.linear())).normalized().toRotationMatrix();
+  T_camera_hand.linear() = (so3::exp(step.head<3>()) * Eigen::Quaterniond(T_camera_hand.linear()))
+                               .normalized()
+                               .toRotationMatrix();
   T_camera_hand.translation() += step.segment<3>(3);
   for (int f = 0; f < kFingerCount; ++f) {
     posture.abduction_rad[f] += step[kAbductionAt + f];
@@ -46,8 +47,8 @@ void HandState::correct(const HandVector& step) noexcept {
 
 HandVector HandState::difference(const HandState& other) const noexcept {
   HandVector d;
-  d.head<3>() = so3::log(
-      Eigen::Matrix3d(other.T_camera_hand.linear() * T_camera_hand.linear().transpose()));
+  d.head<3>() =
+      so3::log(Eigen::Matrix3d(other.T_camera_hand.linear() * T_camera_hand.linear().transpose()));
   d.segment<3>(3) = other.T_camera_hand.translation() - T_camera_hand.translation();
   for (int f = 0; f < kFingerCount; ++f) {
     d[kAbductionAt + f] = other.posture.abduction_rad[f] - posture.abduction_rad[f];
@@ -95,10 +96,10 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   const Silhouette silhouette(appearance, a.state, view);
   if (!silhouette.valid()) return false;
   const PixelReader reader(frame);
-  if (chooses_anew(iteration))
-    anchor_count = silhouette.choose(spacing_px(silhouette), anchors);
+  if (chooses_anew(iteration)) anchor_count = silhouette.choose(spacing_px(silhouette), anchors);
   const bool fine = kSegments[iteration] == 1;
-  const float segment_px = std::max(1.0f, kSegments[iteration] * static_cast<float>(silhouette.to_px(kStep_m)));
+  const float segment_px =
+      std::max(1.0f, kSegments[iteration] * static_cast<float>(silhouette.to_px(kStep_m)));
   HandMatrix H = HandMatrix::Zero();
   HandVector g = HandVector::Zero();
   outline_count = 0;
@@ -119,7 +120,8 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
     log_ratio += kLineWeight * found.log_ratio;
     squares += weight * mu * mu;
     weights += weight;
-    outline[outline_count++] = {line.frame_px(), line.frame_normal(), found.mean_px, found.sigma_px,
+    outline[outline_count++] = {line.frame_px(), line.frame_normal(),
+                                found.mean_px,   found.sigma_px,
                                 found.log_ratio, static_cast<std::uint8_t>(finger)};
   }
   if (outline_count < kLeastLines) return false;
@@ -162,8 +164,10 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
     place.px += static_cast<float>(state.boundary_px) * place.normal;
     const BoundaryLine line(reader, view, place, step, anchor.inside_px, anchor.outside_px);
     const int finger = finger_of(anchor.a);
-    const float in = std::min(anchor.inside_px, static_cast<float>(silhouette.to_px(kLearnInside_m))),
-                out = std::min(anchor.outside_px, static_cast<float>(silhouette.to_px(kLearnOutside_m)));
+    const float in = std::min(anchor.inside_px,
+                              static_cast<float>(silhouette.to_px(kLearnInside_m))),
+                out = std::min(anchor.outside_px,
+                               static_cast<float>(silhouette.to_px(kLearnOutside_m)));
     for (float r = margin; r < in; r += step)
       if (const auto pixel = line.pixel(-r)) impl_->colors.add(finger, pixel->bin, true);
     for (float r = margin; r < out; r += step)

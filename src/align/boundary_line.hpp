@@ -16,7 +16,7 @@ namespace handyar {
 /// Where along a line the boundary between hand and background lies.
 struct Boundary {
   float mean_px = 0, sigma_px = 1;  ///< from the line's place, outwards
-  float log_ratio = 0;              ///< for a boundary at the line's place against one anywhere near
+  float log_ratio = 0;  ///< for a boundary at the line's place against one anywhere near
 };
 
 /// A line across the figure's outline, along its normal.
@@ -38,7 +38,7 @@ class BoundaryLine {
  private:
   static constexpr int kHalf = 7, kSegments = 2 * kHalf;  ///< segments on each side
   static constexpr int kPlaces = kSegments - 1;  ///< where the boundary may lie: between segments
-  static constexpr int kMostReads = 2 * kSegments;        ///< pixels
+  static constexpr int kMostReads = 2 * kSegments;  ///< pixels
 
   /// Mean log ratio of hand against background, and luma, from inside to outside.
   struct Segments {

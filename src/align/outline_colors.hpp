@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "image/color_bin.hpp"
 #include "handyar/stages/hand_figure.hpp"
+#include "image/color_bin.hpp"
 
 namespace handyar {
 
@@ -51,7 +51,7 @@ class OutlineColors {
   std::vector<Bin> bins_;
   std::array<Counts, kTables> totals_{};
   std::array<Counts, kTables> shares_{};  ///< of a count in its part's colours, in the mixture
-  float weight_ = 1;  ///< of a sample now; grows instead of the tables' fading
+  float weight_ = 1;                      ///< of a sample now; grows instead of the tables' fading
 };
 
 }  // namespace handyar

@@ -107,11 +107,12 @@ void Silhouette::project(Appearance appearance, const PosedFigure& posed, const 
   }
   for (int k = 0; k < 2; ++k) {
     const int wrist = kWristThumb + k;
-    const Eigen::Vector3d end =
-        posed.centres_m.col(wrist) - Eigen::Vector3d(0, kForearm_m, 0);
+    const Eigen::Vector3d end = posed.centres_m.col(wrist) - Eigen::Vector3d(0, kForearm_m, 0);
     const Eigen::Vector3d p = view.R_view_camera() * (R * end + t);
     const double radius_m = r_[wrist] * std::max(0.05, depth_m_) / f_px_;
-    disc(kForearm + k, p.z() > 2 * kNearest_m ? p : view.R_view_camera() * (R * posed.centres_m.col(wrist) + t), radius_m);
+    disc(kForearm + k,
+         p.z() > 2 * kNearest_m ? p : view.R_view_camera() * (R * posed.centres_m.col(wrist) + t),
+         radius_m);
   }
 }
 
@@ -120,7 +121,8 @@ void Silhouette::add_capsules() noexcept {
   Capsules& c = capsules_;
   capsule_count_ = t.pair_count;
   for (int i = 0; i < kMaxCapsules; ++i) {
-    int a = i < t.pair_count ? t.pairs[i].a : t.pairs[0].a, b = i < t.pair_count ? t.pairs[i].b : t.pairs[0].b;
+    int a = i < t.pair_count ? t.pairs[i].a : t.pairs[0].a,
+        b = i < t.pair_count ? t.pairs[i].b : t.pairs[0].b;
     if (r_[b] > r_[a]) std::swap(a, b);
     ends_[i] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
     const float dx = x_[b] - x_[a], dy = y_[b] - y_[a], length = std::hypot(dx, dy),
@@ -216,8 +218,8 @@ OutlinePlace Silhouette::place(const OutlineAnchor& k) const noexcept {
   const Eigen::Vector2f d = step / length, across(-d.y() * k.side, d.x() * k.side);
   const float sine = std::clamp((r_[k.a] - r_[k.b]) / length, -0.99f, 0.99f);
   place.normal = sine * d + std::sqrt(1 - sine * sine) * across;
-  place.px = (1 - k.along) * (from + r_[k.a] * place.normal) +
-             k.along * (to + r_[k.b] * place.normal);
+  place.px =
+      (1 - k.along) * (from + r_[k.a] * place.normal) + k.along * (to + r_[k.b] * place.normal);
   return place;
 }
 
@@ -266,8 +268,9 @@ void Silhouette::try_anchor(OutlineAnchor anchor, float unit_px, Anchors& anchor
   }
   anchor.outside_px = std::min(r, reach);
   if (anchor.outside_px < least_outside) return;
-  const float thick = anchor.a == anchor.b ? r_[anchor.a]
-                                           : (1 - anchor.along) * r_[anchor.a] + anchor.along * r_[anchor.b];
+  const float thick = anchor.a == anchor.b
+                          ? r_[anchor.a]
+                          : (1 - anchor.along) * r_[anchor.a] + anchor.along * r_[anchor.b];
   anchor.inside_px = std::min(1.5f * thick, reach);
   if (anchor.inside_px < least_inside) return;
   (void)unit_px;
@@ -286,10 +289,12 @@ int Silhouette::choose(float spacing_px, Anchors& anchors) const noexcept {
     const int n = std::max(1, static_cast<int>(std::lround(tangent / spacing_px)));
     for (const int side : {-1, 1})
       for (int k = 0; k < n; ++k)
-        try_anchor({a, b, static_cast<std::int8_t>(side), (k + 0.5f) / n}, spacing_px, anchors, count);
+        try_anchor({a, b, static_cast<std::int8_t>(side), (k + 0.5f) / n}, spacing_px, anchors,
+                   count);
   }
   for (const std::uint8_t s : kRound) {
-    const int n = std::max(6, static_cast<int>(std::lround(2 * std::numbers::pi * r_[s] / spacing_px)));
+    const int n =
+        std::max(6, static_cast<int>(std::lround(2 * std::numbers::pi * r_[s] / spacing_px)));
     // Angles count from the finger's direction, so that they do not depend on the picture's axes.
     float from = 0;
     if (s < kFirstWeb) {
@@ -297,7 +302,8 @@ int Silhouette::choose(float spacing_px, Anchors& anchors) const noexcept {
       from = std::atan2(d.y(), d.x());
     }
     for (int k = 0; k < n; ++k)
-      try_anchor({s, s, 1, from + static_cast<float>(2 * std::numbers::pi * k / n)}, spacing_px, anchors, count);
+      try_anchor({s, s, 1, from + static_cast<float>(2 * std::numbers::pi * k / n)}, spacing_px,
+                 anchors, count);
   }
   return count;
 }

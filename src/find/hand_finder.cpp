@@ -150,7 +150,8 @@ void HandFinder::Impl::sample(const ImageView& frame, const FinderRegion& region
       std::array<int, 3> sum{};
       int within = 0;
       for (int j = 0; j < reads; ++j) {
-        const int y = static_cast<int>(std::floor(first.y() + scale * (v + (j + 0.5f) / reads) + 0.5f));
+        const int y =
+            static_cast<int>(std::floor(first.y() + scale * (v + (j + 0.5f) / reads) + 0.5f));
         if (y < 0 || y >= frame.height_px) continue;
         for (int i = 0; i < reads; ++i) {
           const int x = columns[u * reads + i];
@@ -178,9 +179,8 @@ void HandFinder::Impl::offer(const HandCandidate& hand) noexcept {
   if (count < kMostCandidates) {
     candidates[count++] = hand;
   } else {
-    auto worst = std::min_element(candidates.begin(), candidates.end(), [](auto& a, auto& b) {
-      return a.log_odds < b.log_odds;
-    });
+    auto worst = std::min_element(candidates.begin(), candidates.end(),
+                                  [](auto& a, auto& b) { return a.log_odds < b.log_odds; });
     if (worst->log_odds < hand.log_odds) *worst = hand;
   }
 }

@@ -92,8 +92,8 @@ HANDYAR_VECTORISED void depthwise(const float* in, Picture size, int side, int s
 }
 
 /// The first layer: 3 x 3, stride 2, of the colours about -2 to 2.
-HANDYAR_VECTORISED void stem(const float* in, Picture size, const float* weights,
-                             const float* bias, float* out) {
+HANDYAR_VECTORISED void stem(const float* in, Picture size, const float* weights, const float* bias,
+                             float* out) {
   constexpr int kOutputs = 16;
   for (int y = 0; y < size.height; y += 2)
     for (int x = 0; x < size.width; x += 2, out += kOutputs) {

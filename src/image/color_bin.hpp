@@ -7,9 +7,9 @@
 namespace handyar {
 
 /// Colour, quantised to 4 bits of luma (the highest) and 5 bits each of yellowness and redness: Y,
-/// -Cb and Cr of BT.601 in full range. Luma goes in steps of 16. Chroma goes in steps of 2 from -8 to 40,
-/// where greys and skin of every tone lie, and in steps of 32 beyond: a hand and what looks like
-/// one differ by little.
+/// -Cb and Cr of BT.601 in full range. Luma goes in steps of 16. Chroma goes in steps of 2 from -8
+/// to 40, where greys and skin of every tone lie, and in steps of 32 beyond: a hand and what looks
+/// like one differ by little.
 using ColorBin = std::uint16_t;
 inline constexpr int kLumaLevels = 16, kBinLevels = 32;  ///< of luma, of each chroma
 inline constexpr int kLumaShift = 10;

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "image/color_bin.hpp"
 #include "handyar/image_view.hpp"
+#include "image/color_bin.hpp"
 
 namespace handyar {
 
@@ -55,9 +55,9 @@ class PixelReader {
       return {p[red_], p[1], p[2 - red_]};
     }
     const bool planes = frame_.format == PixelFormat::nv12;
-    const std::uint8_t* pair =
-        planes ? frame_.chroma + (y / 2) * frame_.chroma_stride_bytes + (x & ~1)
-               : row + (x & ~1) * 2;
+    const std::uint8_t* pair = planes
+                                   ? frame_.chroma + (y / 2) * frame_.chroma_stride_bytes + (x & ~1)
+                                   : row + (x & ~1) * 2;
     const int luma = 298 * ((planes ? row[x] : row[x * 2]) - 16);
     const int cb = pair[planes ? 0 : 1] - 128, cr = pair[planes ? 1 : 3] - 128;
     const auto byte = [](int value256) { return std::clamp(value256 >> 8, 0, 255); };

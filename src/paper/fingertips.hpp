@@ -18,8 +18,8 @@ struct Fingertip {
   float cosine = 0;  ///< of the contour's turn there, mean over the scales; 1 is a needle
 };
 
-/// Fingertips of a hand region (paper 2.2): the contour's convex points of high curvature at several
-/// scales, then the ends of ellipses fitted around them.
+/// Fingertips of a hand region (paper 2.2): the contour's convex points of high curvature at
+/// several scales, then the ends of ellipses fitted around them.
 class FingertipFinder {
  public:
   static constexpr int kMostTips = 12;

@@ -44,8 +44,8 @@ void HandRegion::classify(const ImageView& frame, const SkinModel& skin) noexcep
   for (int v = 0; v < mask_.height; ++v)
     for (int u = 0; u < mask_.width; ++u) {
       const int i = mask_.at_index(u, v);
-      const float sum = 2 * ratios_[i] + ratios_[i - 1] + ratios_[i + 1] + ratios_[i - row] +
-                        ratios_[i + row];
+      const float sum =
+          2 * ratios_[i] + ratios_[i - 1] + ratios_[i + 1] + ratios_[i - row] + ratios_[i + row];
       mask_.pixels[i] = sum > 0 ? 255 : 0;
     }
 }
@@ -90,7 +90,8 @@ void HandRegion::measure_distances() noexcept {
   constexpr std::int16_t kStraight = 3, kDiagonal = 4;
   const int row = mask_.width + 2;
   const auto nearer = [&](int i, int other, std::int16_t by) {
-    distance_[i] = std::min<std::int16_t>(distance_[i], static_cast<std::int16_t>(distance_[other] + by));
+    distance_[i] =
+        std::min<std::int16_t>(distance_[i], static_cast<std::int16_t>(distance_[other] + by));
   };
   for (int v = 0; v < mask_.height; ++v)
     for (int u = 0; u < mask_.width; ++u) {

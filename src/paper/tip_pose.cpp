@@ -51,9 +51,7 @@ bool refine(const SeenTips& tips, const HandModel& hand, const Camera& camera, F
 }
 
 /// The visible face looks at the camera.
-bool faces_camera(const Eigen::Isometry3d& T) {
-  return T.linear().col(2).dot(T.translation()) < 0;
-}
+bool faces_camera(const Eigen::Isometry3d& T) { return T.linear().col(2).dot(T.translation()) < 0; }
 
 }  // namespace
 

@@ -152,8 +152,7 @@ TrackResult Tracker::process(const ImageView& frame, double time_s) noexcept {
   if (result.status != FrameStatus::ok) return result;
 
   StageTimes& times = result.times;
-  t.region_found =
-      clock.time(times.segmentation_ms, [&] { return t.region.find(frame, t.skin); });
+  t.region_found = clock.time(times.segmentation_ms, [&] { return t.region.find(frame, t.skin); });
   std::span<const Fingertip> found;
   if (t.region_found) clock.time(times.fingertips_ms, [&] { found = t.finder.find(t.region); });
   clock.time(times.matching_ms, [&] { t.match(found); });
@@ -185,7 +184,12 @@ std::optional<FilteredPose> Tracker::predict(double time_s) const noexcept {
 HandMask Tracker::mask() const noexcept {
   if (!impl_->region_found) return {};
   const Mask& mask = impl_->region.mask();
-  return {mask.pixels.data() + mask.at_index(0, 0), mask.width, mask.height, mask.width + 2, 0, 0,
+  return {mask.pixels.data() + mask.at_index(0, 0),
+          mask.width,
+          mask.height,
+          mask.width + 2,
+          0,
+          0,
           impl_->step()};
 }
 

@@ -53,7 +53,8 @@ HandPrior prior_around(const HandState& expected, const Person& person,
   const MotionConfig& motion = config.motion;
   HandPrior prior;
   prior.mean = expected;
-  for (int f = 0; f < kFingerCount; ++f) { prior.mean.posture.abduction_rad[f] *= 0.7; prior.mean.posture.flexion_rad[f] *= 0.7; }
+  for (double& angle_rad : prior.mean.posture.abduction_rad) angle_rad *= motion.posture_keeps;
+  for (double& angle_rad : prior.mean.posture.flexion_rad) angle_rad *= motion.posture_keeps;
   prior.mean.figure = person.mean();
   HandVector sigma = HandVector::Ones();
   sigma.head<3>().setConstant(motion.rotation_sigma_rad);
@@ -86,9 +87,8 @@ void Hypotheses::sort_and_prune() noexcept {
   for (int i = 0; i < count_; ++i) items_[i].log_weight -= best;
 }
 
-bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame,
-                       const Camera& camera, const Person& person, const Config& config,
-                       Aligner& aligner) noexcept {
+bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
+                       const Person& person, const Config& config, Aligner& aligner) noexcept {
   count_ = 0;
   since_reconsidered_s_ = 0;
   RoughTips tips;
@@ -101,7 +101,8 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame,
     const Appearance appearance{face, candidate.layout};
     HandState start;
     start.figure = person.mean();
-    start.T_camera_hand = start_pose(tips, make_figure(start.figure, face, candidate.layout), camera);
+    start.T_camera_hand =
+        start_pose(tips, make_figure(start.figure, face, candidate.layout), camera);
     const HandPrior prior = prior_around(start, person, config);
     Alignment a;
     a.state = start;
@@ -162,7 +163,8 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, const 
   if (other_plane) start.T_camera_hand = other_planar_solution(start.T_camera_hand);
   const Alignment a =
       aligner.align(frame, camera, appearance, start, prior_around(start, person, config), true);
-  if (!a.valid || (!other_face && a.state.difference(now.alignment.state).head<3>().norm() < kSame_rad))
+  if (!a.valid ||
+      (!other_face && a.state.difference(now.alignment.state).head<3>().norm() < kSame_rad))
     return;
   add(appearance, a, now.log_weight + kReconsiderWeight);
 }

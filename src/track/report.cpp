@@ -48,8 +48,9 @@ void HandTracker::Impl::report(TrackResult& result) noexcept {
     result.webs[k] = shown(posed.centres_m.col(kFirstWeb + k), state.T_camera_hand, camera);
   const HandMatrix& H = best.alignment.information;
   for (int f = 0; f < kFingerCount; ++f)
-    result.fingers[f] = {state.posture.abduction_rad[f], 1 / std::sqrt(H(kAbductionAt + f, kAbductionAt + f)),
-                         state.posture.flexion_rad[f], 1 / std::sqrt(H(kFlexionAt + f, kFlexionAt + f))};
+    result.fingers[f] = {
+        state.posture.abduction_rad[f], 1 / std::sqrt(H(kAbductionAt + f, kAbductionAt + f)),
+        state.posture.flexion_rad[f], 1 / std::sqrt(H(kFlexionAt + f, kFlexionAt + f))};
   if (seen.state != State::tracking) {
     result.raw_pose.reset();
     result.pose.reset();

@@ -62,7 +62,8 @@ Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure& figure,
     Matrix6d H = 1e-9 * Matrix6d::Identity();
     Vector6d g = Vector6d::Zero();
     for (int f = 0; f < kFingerCount; ++f) {
-      const Eigen::Vector3d turned = T.linear() * figure.tips_m.col(f), p = turned + T.translation();
+      const Eigen::Vector3d turned = T.linear() * figure.tips_m.col(f),
+                            p = turned + T.translation();
       if (p.z() < kNearest_m) return start;
       Eigen::Matrix<double, 2, 3> J_point;
       const Eigen::Vector2d error = tips.px[f] - camera.project(p, &J_point);
@@ -77,7 +78,8 @@ Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure& figure,
     g.head<3>() -= tilt_information * turned_so_far;
     const Vector6d step = H.ldlt().solve(g);
     if (!step.allFinite()) return start;
-    T.linear() = (so3::exp(step.head<3>()) * Eigen::Quaterniond(T.linear())).normalized().toRotationMatrix();
+    T.linear() =
+        (so3::exp(step.head<3>()) * Eigen::Quaterniond(T.linear())).normalized().toRotationMatrix();
     T.translation() += step.tail<3>();
   }
   return T.translation().z() > kNearest_m ? T : start;
@@ -88,8 +90,8 @@ Eigen::Isometry3d other_planar_solution(const Eigen::Isometry3d& T_camera_hand) 
   const Eigen::Vector3d normal = T_camera_hand.linear().col(2);
   const Eigen::Vector3d mirrored = 2 * sight.dot(normal) * sight - normal;
   Eigen::Isometry3d other = T_camera_hand;
-  other.linear() =
-      Eigen::Quaterniond::FromTwoVectors(normal, mirrored).toRotationMatrix() * T_camera_hand.linear();
+  other.linear() = Eigen::Quaterniond::FromTwoVectors(normal, mirrored).toRotationMatrix() *
+                   T_camera_hand.linear();
   return other;
 }
 

@@ -55,9 +55,8 @@ HandTracker::Impl::Impl(const Camera& c, const HandModel& h, const Config& cfg)
       camera(c),
       aligner(cfg.align),
       scout(cfg.align),
-      seen{.hypotheses = {},
-           .person = Person(estimate_figure(h)),
-           .filter = PoseFilter(cfg.filter)},
+      seen{
+          .hypotheses = {}, .person = Person(estimate_figure(h)), .filter = PoseFilter(cfg.filter)},
       learned_hand(h) {}
 
 void HandTracker::Impl::reset() noexcept {
@@ -144,8 +143,8 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
   seen.looked_s = seen.time_s;
   find(frame, sure);
   if (had)
-    seen.belief += std::min(1.0, since_s / kEvidence_s) *
-                   std::clamp(verdict(), -kMostFrame, kMostFrame);
+    seen.belief +=
+        std::min(1.0, since_s / kEvidence_s) * std::clamp(verdict(), -kMostFrame, kMostFrame);
   begin(frame);
 }
 
@@ -183,7 +182,8 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
   const bool is_seen = seen.hypotheses.size() > 0;
   if (is_seen) {
     const double share = std::clamp(dt_s / kEvidence_s, 0.0, 1.0);
-    seen.belief = std::min(seen.belief + share * evidence_of(seen.hypotheses.best().alignment), limits.most);
+    seen.belief =
+        std::min(seen.belief + share * evidence_of(seen.hypotheses.best().alignment), limits.most);
   }
   const bool was = seen.state == State::tracking || seen.state == State::lost;
   if (!is_seen || seen.belief < limits.give_up) {
