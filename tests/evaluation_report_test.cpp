@@ -12,6 +12,7 @@
 #include <regex>
 #include <sstream>
 
+#include "handyar/evaluation/footage.hpp"
 #include "handyar/evaluation/report.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/frame_source.hpp"
@@ -56,7 +57,7 @@ std::string text_of(const std::string& file) {
 }
 
 const Analysis& compare_sequence() {
-  static const Analysis a = analyse(record(open_sequence(shipped("compare"), {})));
+  static const Analysis a = analyse(record(open_sequence(shipped("compare"), {}), Methods::all));
   return a;
 }
 
@@ -138,7 +139,7 @@ TEST(Report, OpensOffline) {
 
 TEST(Report, SameInputSameFigures) {
   const TemporaryFolder folder;
-  const Analysis again = analyse(record(open_sequence(shipped("compare"), {})));
+  const Analysis again = analyse(record(open_sequence(shipped("compare"), {}), Methods::all));
   const std::regex time(",table1,|,time,");
   std::vector<std::string> rows[2];
   for (int i = 0; i < 2; ++i) {
@@ -280,6 +281,53 @@ TEST(Truth, WhatCannotBeMeasuredAgainstIsRefused) {
   EXPECT_TRUE(has(complaint([](json& j) { j["markers"][0]["size_mm"] = 0; }), "size"));
   EXPECT_EQ(complaint([](json& j) { j["markers"][0]["dict"] = "DICT_4X4_1000"; }), "");
   EXPECT_FALSE(has(complaint([](json& j) { j.erase("K"); }), "json.exception"));
+}
+
+TEST(Footage, TreeIsJudgedSequenceBySequence) {
+  const TemporaryFolder folder;
+  const fs::path tree = folder / "tree";
+  fs::create_directories(tree / "rooms");
+  fs::copy(shipped("compare"), tree / "rooms" / "board");
+  fs::create_directories(tree / "clips");
+  fs::copy(io::data_file("wall/video.mp4"), tree / "clips" / "wall.mp4");
+  std::ofstream(tree / "clips" / "open_frames.csv")
+      << "clip,frame,open,thumb_x,thumb_y,index_x,index_y,middle_x,middle_y,ring_x,ring_y,"
+         "little_x,little_y\nwall.mp4,0,0,,,,,,,,,,\n";
+
+  std::vector<FootageFigures> figures;
+  for (const Footage& f : find_footage(tree, {})) figures.push_back(measure(f));
+  ASSERT_EQ(figures.size(), 2u);
+  EXPECT_EQ(figures[0].name, "wall");
+  EXPECT_EQ(figures[0].open_frames, 0);
+  EXPECT_EQ(figures[0].handless_frames, figures[0].frames) << "no frame of the list is open";
+  EXPECT_GT(figures[0].falsely_tracked, 0) << "the clip does show a hand";
+  EXPECT_EQ(figures[1].group, "rooms");
+  EXPECT_GT(figures[1].open_frames, 20);
+  EXPECT_GE(figures[1].right_percent(), 98.0);
+  EXPECT_EQ(figures[1].wrong, 0);
+
+  fs::create_directories(folder / "report");
+  const std::string text = write_distribution(folder / "report", figures);
+  EXPECT_NE(text.find("## rooms"), std::string::npos);
+  EXPECT_NE(text.find("rooms/board"), std::string::npos);
+  EXPECT_EQ(lines_of(folder / "report/sequences.csv").size(), 3u);
+  EXPECT_TRUE(fs::exists(folder / "report/worst-1.jpg"));
+}
+
+TEST(Footage, EmptyTreeAndMissingClipAreRefusedByName) {
+  const TemporaryFolder folder;
+  const fs::path tree = folder / "tree";
+  fs::create_directories(tree);
+  EXPECT_THROW(find_footage(tree, {}), io::Error);
+  std::ofstream(tree / "open_frames.csv")
+      << "clip,frame,open,thumb_x,thumb_y,index_x,index_y,middle_x,middle_y,ring_x,ring_y,"
+         "little_x,little_y\ngone.mp4,0,0,,,,,,,,,,\n";
+  try {
+    find_footage(tree, {});
+    FAIL() << "gone.mp4 is not there";
+  } catch (const io::Error& e) {
+    EXPECT_NE(std::string(e.what()).find("gone.mp4"), std::string::npos) << e.what();
+  }
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -6,6 +7,7 @@
 #include <memory>
 
 #include "command.hpp"
+#include "handyar/evaluation/footage.hpp"
 #include "handyar/evaluation/report.hpp"
 #include "output_folder.hpp"
 
@@ -18,12 +20,17 @@ namespace fs = std::filesystem;
 constexpr const char* kExamples =
     "A SEQUENCE is a video file, or a folder with video.mp4 and, where there are such, "
     "truth.json,\n"
-    "camera.yml and hand.json.\n\n"
+    "camera.yml and hand.json. A FOLDER without video.mp4 is a tree of such folders and of clips "
+    "named in\n"
+    "an open_frames.csv: of it only the default method is measured, and how its figures are "
+    "distributed\n"
+    "over sequences.\n\n"
     "Examples:\n"
     "  handyar evaluate sample --report report\n"
     "  handyar evaluate hand.mp4 --camera camera.yml --hand hand.json --board 8x6 --square-mm 25 "
     "\\\n"
     "                   --report report\n"
+    "  handyar evaluate footage --uncalibrated --report report\n"
     "  handyar evaluate --stills stills/fingertips.csv --report report";
 
 /// The command line that this process was started with; empty where the system does not tell.
@@ -58,10 +65,38 @@ SequenceOptions sequence_options(const Evaluation& e) {
   return o;
 }
 
+bool is_tree(const std::string& path) {
+  return fs::is_directory(path) && !fs::exists(fs::path(path) / "video.mp4");
+}
+
+/// How the default method's figures are distributed over all sequences of the trees.
+int evaluate_trees(const Evaluation& e) {
+  std::vector<Footage> footage;
+  for (const std::string& tree : e.sequences)
+    for (Footage& f : find_footage(tree, sequence_options(e))) footage.push_back(std::move(f));
+  const OutputFolder folder(e.report, {"sequences.csv", "distribution.md"});
+  std::vector<FootageFigures> figures;
+  {
+    ProgressLine line("sequences: ");
+    for (const Footage& f : footage) {
+      figures.push_back(measure(f));
+      line.show(int(figures.size()), int(footage.size()));
+    }
+  }
+  std::cout << write_distribution(e.report, figures) << folder.file("distribution.md") << '\n';
+  return kDone;
+}
+
 int evaluate(const Evaluation& e) {
   if (e.sequences.empty() && e.stills.empty())
     throw WrongUsage("nothing to evaluate: give a SEQUENCE or --stills");
   if (e.report.empty()) throw WrongUsage("--report: the folder's name is empty");
+  const auto trees = std::count_if(e.sequences.begin(), e.sequences.end(), is_tree);
+  if (trees > 0) {
+    if (std::size_t(trees) < e.sequences.size() || !e.stills.empty())
+      throw WrongUsage("a tree of sequences is evaluated alone");
+    return evaluate_trees(e);
+  }
   const fs::path report = e.report;
   require_distinct_files({e.stills, e.options.camera_file, e.options.hand_file},
                          {report / "report.html", report / "errors.csv", report / "stills.csv",
@@ -77,7 +112,8 @@ int evaluate(const Evaluation& e) {
   std::vector<Analysis> analyses;
   for (const Sequence& s : sequences) {
     ProgressLine line(s.name + ": ");
-    analyses.push_back(analyse(record(s, [&](int done, int of) { line.show(done, of); })));
+    analyses.push_back(
+        analyse(record(s, Methods::all, [&](int done, int of) { line.show(done, of); })));
   }
   std::vector<StillResult> stills;
   if (!photographs.empty()) {
@@ -105,7 +141,7 @@ Command add_evaluate(CLI::App& app) {
   CLI::App* options = app.add_subcommand(
       "evaluate", "Measure speed and accuracy against markers and truth, as a report");
   const auto e = std::make_shared<Evaluation>();
-  options->add_option("SEQUENCE", e->sequences, "Videos or folders with video.mp4");
+  options->add_option("SEQUENCE", e->sequences, "Videos, folders with video.mp4, or trees of them");
   options
       ->add_option("--report", e->report,
                    "Folder for report.html, tables.csv and .md, errors.csv, stills.csv, poses/, "
@@ -113,6 +149,8 @@ Command add_evaluate(CLI::App& app) {
       ->required();
   options->add_option("--camera", e->options.camera_file, "Camera file (YAML) for all of them");
   options->add_option("--hand", e->options.hand_file, "Hand file (JSON) for all of them");
+  options->add_flag("--uncalibrated", e->options.uncalibrated,
+                    "The average hand, though a measured one is known");
   options->add_option("--board", e->board, "Checkerboard in view, inner corners, e.g. 8x6");
   options->add_option("--square-mm", e->square_mm, "Side of its squares")->check(between(1, 10000));
   options->add_option("--aruco-mm", e->aruco_mm, "Side of an ArUco marker in view")

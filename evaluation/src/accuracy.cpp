@@ -13,9 +13,6 @@
 namespace handyar::evaluation {
 namespace {
 
-constexpr int kWarmUpFrames = 25;  ///< given for acquisition at the beginning
-constexpr int kRegainFrames = 12;  ///< given for acquisition after the tips were hidden
-constexpr double kWrongOfSpan = 0.2;
 constexpr double kChiSquare6At95 = 12.5916;
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kMillimetres = 1e3;

@@ -50,14 +50,33 @@ std::string table(const Table& t, int csv_line) {
   return h + "</tbody></table></div></figure>\n";
 }
 
+namespace {
+
+std::string base64(const std::vector<unsigned char>& bytes) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned word = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      word = word << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string pictures(const std::vector<Picture>& all, bool with_truth) {
   std::string h;
   for (const bool worst : {false, true}) {
     std::string group;
     for (const Picture& p : all)
       if (p.worst == worst)
-        group += "<figure><img src=\"" + p.data_uri + "\" alt=\"" + escape(p.caption) +
-                 "\"><figcaption>" + escape(p.caption) + "</figcaption></figure>\n";
+        group += "<figure><img src=\"data:image/jpeg;base64," + base64(p.jpeg) + "\" alt=\"" +
+                 escape(p.caption) + "\"><figcaption>" + escape(p.caption) +
+                 "</figcaption></figure>\n";
     if (group.empty()) continue;
     h += std::string("<h4>") + (worst ? "The worst frames" : "Sample frames") + "</h4>";
     h += "<p>Hand contour cyan, fingertips orange, the hand's axes red, green, blue";

@@ -128,26 +128,12 @@ void draw(cv::Mat& bgr, const Analysis& a, std::size_t i) {
   }
 }
 
-std::string base64(const std::vector<unsigned char>& bytes) {
-  static constexpr char kDigits[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned word = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      word = word << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
-std::string jpeg_uri(const cv::Mat& bgr) {
+std::vector<unsigned char> jpeg(const cv::Mat& bgr) {
   cv::Mat small;
   cv::resize(bgr, small, {kWidth_px, kWidth_px * bgr.rows / bgr.cols}, 0, 0, cv::INTER_AREA);
   std::vector<unsigned char> bytes;
   cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
-  return "data:image/jpeg;base64," + base64(bytes);
+  return bytes;
 }
 
 }  // namespace
@@ -163,7 +149,7 @@ std::vector<Picture> take_pictures(const Analysis& a) {
     if (wanted == chosen.end()) continue;
     cv::Mat bgr = frame.bgr.clone();
     draw(bgr, a, std::size_t(i));
-    pictures.push_back({i, caption(a, std::size_t(i)), wanted->second, jpeg_uri(bgr)});
+    pictures.push_back({i, caption(a, std::size_t(i)), wanted->second, jpeg(bgr)});
   }
   return pictures;
 }

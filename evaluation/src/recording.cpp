@@ -14,7 +14,6 @@
 namespace handyar::evaluation {
 namespace {
 
-
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -41,9 +40,8 @@ std::vector<Eigen::Vector2f> contour_of(const HandMask& mask) {
                        static_cast<std::size_t>(mask.stride_bytes));
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(pixels, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
-  const auto longest = std::max_element(outlines.begin(), outlines.end(), [](auto& a, auto& b) {
-    return a.size() < b.size();
-  });
+  const auto longest = std::max_element(outlines.begin(), outlines.end(),
+                                        [](auto& a, auto& b) { return a.size() < b.size(); });
   if (longest == outlines.end()) return contour;
   for (const cv::Point& p : *longest)
     contour.emplace_back(mask.x0_px + p.x * mask.step_px, mask.y0_px + p.y * mask.step_px);
@@ -82,10 +80,11 @@ class MarkerPass {
 
 class Session {
  public:
-  explicit Session(const Sequence& sequence) {
+  Session(const Sequence& sequence, Methods methods) {
     recording_.sequence = sequence;
-    if (sequence.board) board_.emplace(*sequence.board, sequence.camera);
     add(kFigure, false, figure_tracker(sequence));
+    if (methods == Methods::figure_only) return;
+    if (sequence.board) board_.emplace(*sequence.board, sequence.camera);
     for (const bool half : {false, true}) {
       add(kPaper, half, paper_tracker(sequence, paper::FingertipMethod::ellipse, half));
       add(kPaperCurvature, half, paper_tracker(sequence, paper::FingertipMethod::curvature, half));
@@ -138,10 +137,10 @@ const MarkerTrack* Recording::find_marker(const std::string& system, bool half_r
   return nullptr;
 }
 
-Recording record(const Sequence& sequence, const Progress& progress) {
+Recording record(const Sequence& sequence, Methods methods, const Progress& progress) {
   cv::setNumThreads(1);  // everything that is timed runs on one thread
   const auto source = io::open_input(sequence.video);
-  Session session(sequence);
+  Session session(sequence, methods);
   session.recording().frames_per_second = source->info().fps;
   io::Frame frame;
   int done = 0;

@@ -40,7 +40,10 @@ void find_hand(Sequence& s, const fs::path& folder, const SequenceOptions& optio
                            : fs::exists(folder / "hand.json") && !s.truth
                                ? (folder / "hand.json").string()
                                : "";
-  if (!file.empty()) {
+  if (options.uncalibrated) {
+    s.hand = average_adult_hand();
+    s.origin_of_hand = "average adult, as asked";
+  } else if (!file.empty()) {
     s.hand = io::read_hand(file);
     s.origin_of_hand = file;
   } else if (s.truth) {

@@ -2,15 +2,14 @@
 #include "handyar/evaluation/stills.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "annotated_list.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/pending_file.hpp"
 #include "handyar/io/quiet_standard_error.hpp"
@@ -23,101 +22,22 @@ namespace fs = std::filesystem;
 constexpr int kWidth_px = 640, kHeight_px = 480, kFrames = 25;
 constexpr double kFramesPerSecond = 30;
 constexpr double kNoiseSigma = 2.3;  ///< grey levels: a good camera indoors
-constexpr double kRightOfSpan = 0.2;
-constexpr double kFarthest_px = 1e6;  ///< no annotation lies beyond
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 using Tips = std::array<Eigen::Vector2d, kFingerCount>;
 
-struct Row {
-  std::size_t line;
-  std::map<std::string, std::string> fields;
-};
-
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      fields.emplace_back();
-    else if (c != '\r')
-      fields.back() += c;
-  }
-  return fields;
+Still read_still(const AnnotatedList& list, const AnnotatedList::Row& row) {
+  Still s;
+  s.file = list.field(row, "file");
+  s.picture = (fs::path(list.file()).parent_path() / s.file).string();
+  std::error_code ignored;
+  if (!fs::is_regular_file(s.picture, ignored))
+    throw io::Error(s.picture, "there is no such picture; " + list.file() + ", line " +
+                                   std::to_string(row.line) + ", names it");
+  if (const auto tone = row.fields.find("skin_tone"); tone != row.fields.end())
+    s.skin_tone = tone->second;
+  s.tips_px = list.tips_px(row);
+  return s;
 }
-
-std::vector<Row> read_rows(const std::string& list) {
-  std::ifstream in(list);
-  std::string line;
-  if (!in || !std::getline(in, line)) throw io::Error(list, "cannot be read");
-  if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
-  const std::vector<std::string> header = split(line);
-  std::vector<Row> rows;
-  for (std::size_t number = 2; std::getline(in, line); ++number) {
-    if (line.empty() || line == "\r") continue;
-    const std::vector<std::string> fields = split(line);
-    if (fields.size() != header.size())
-      throw io::Error(list, "line " + std::to_string(number) + " has " +
-                                std::to_string(fields.size()) + " fields, the header " +
-                                std::to_string(header.size()));
-    Row& row = rows.emplace_back();
-    row.line = number;
-    for (std::size_t i = 0; i < header.size(); ++i) row.fields[header[i]] = fields[i];
-  }
-  if (rows.empty()) throw io::Error(list, "names no picture");
-  return rows;
-}
-
-/// The rows of a list as what they mean.
-class Reader {
- public:
-  explicit Reader(const std::string& list) : list_(list), folder_(fs::path(list).parent_path()) {}
-
-  Still read(const Row& row) const {
-    Still s;
-    s.file = field(row, "file");
-    s.picture = (folder_ / s.file).string();
-    std::error_code ignored;
-    if (!fs::is_regular_file(s.picture, ignored))
-      throw io::Error(s.picture, "there is no such picture; " + list_ + ", line " +
-                                     std::to_string(row.line) + ", names it");
-    if (const auto tone = row.fields.find("skin_tone"); tone != row.fields.end())
-      s.skin_tone = tone->second;
-    for (std::size_t i = 0; i < s.tips_px.size(); ++i) {
-      const std::string finger(kFingerNames[i]);
-      s.tips_px[i] = {pixel(row, finger + "_x"), pixel(row, finger + "_y")};
-    }
-    if ((s.tips_px.front() - s.tips_px.back()).norm() < 1)
-      fail(row, "thumb and little finger are at the same place");
-    return s;
-  }
-
- private:
-  [[noreturn]] void fail(const Row& row, const std::string& fault) const {
-    throw io::Error(list_, "line " + std::to_string(row.line) + ": " + fault);
-  }
-
-  const std::string& field(const Row& row, const std::string& column) const {
-    const auto at = row.fields.find(column);
-    if (at == row.fields.end()) throw io::Error(list_, "has no column " + column);
-    return at->second;
-  }
-
-  double pixel(const Row& row, const std::string& column) const {
-    const std::string& text = field(row, column);
-    double value = 0;
-    const char* end = text.data() + text.size();
-    const auto [stop, fault] = std::from_chars(text.data(), end, value);
-    if (fault != std::errc() || stop != end || !(std::abs(value) <= kFarthest_px))
-      fail(row, column + " is not a pixel: \"" + text + "\"");
-    return value;
-  }
-
-  std::string list_;
-  fs::path folder_;
-};
 
 /// In the pixels as stored, whatever turn the file notes: the annotations are in these.
 cv::Mat read_picture(const std::string& path) {
@@ -191,7 +111,7 @@ StillResult judge(const Still& still, const Config& config, std::uint64_t seed) 
   for (std::size_t i = 0; i < truth.size(); ++i)
     result.of_span.push_back(((*tips)[i] - truth[i]).norm() / span_px);
   result.largest_of_span = *std::max_element(result.of_span.begin(), result.of_span.end());
-  result.outcome = result.largest_of_span > kRightOfSpan ? StillResult::Outcome::wrong
+  result.outcome = result.largest_of_span > kWrongOfSpan ? StillResult::Outcome::wrong
                                                          : StillResult::Outcome::right;
   return result;
 }
@@ -234,9 +154,9 @@ const char* words(StillResult::Outcome outcome) {
 }  // namespace
 
 std::vector<Still> read_stills(const std::string& list) {
-  const Reader reader(list);
+  const AnnotatedList pictures(list);
   std::vector<Still> stills;
-  for (const Row& row : read_rows(list)) stills.push_back(reader.read(row));
+  for (const AnnotatedList::Row& row : pictures.rows()) stills.push_back(read_still(pictures, row));
   return stills;
 }
 

@@ -14,6 +14,13 @@ namespace handyar::evaluation {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
+/// A hand is wrongly tracked where a fingertip is off by more than this share of the distance from
+/// thumb tip to little tip: in sequences, clips and photographs, in the program and in its tests.
+inline constexpr double kWrongOfSpan = 0.2;
+
+inline constexpr int kWarmUpFrames = 25;  ///< given for acquisition at a sequence's beginning
+inline constexpr int kRegainFrames = 12;  ///< given (0.4 s) after the five tips came into view
+
 /// A pose against the true one; NaN where there is no pose.
 struct PoseError {
   double rotation_deg = kUnknown;
@@ -30,7 +37,7 @@ struct FrameError {
   bool hand_absent = false;
   bool visible = false;  ///< the five tips are visible now
   bool tracked = false;  ///< state `tracking`
-  bool wrong = false;    ///< tracked, but a tip is off by over 0.2 of the thumb-little span
+  bool wrong = false;    ///< tracked, but a tip is off by over kWrongOfSpan
   bool layout_right = false;
   std::array<double, kFingerCount> tip_px = {kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};
   double span_px = kUnknown, tilt_deg = kUnknown, distance_mm = kUnknown;

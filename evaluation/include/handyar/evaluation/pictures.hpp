@@ -12,8 +12,8 @@ namespace handyar::evaluation {
 struct Picture {
   int frame;
   std::string caption;
-  bool worst;            ///< else a sample
-  std::string data_uri;  ///< JPEG
+  bool worst;  ///< else a sample
+  std::vector<unsigned char> jpeg;
 };
 
 /// A few frames spread over the sequence, and the worst ones: falsely or wrongly tracked, lost in

@@ -52,8 +52,11 @@ struct Recording {
 /// Called after each frame with the number of frames done and promised (0: unknown).
 using Progress = std::function<void(int done, int promised)>;
 
+/// What sees the frames: everything, or the default method alone.
+enum class Methods { all, figure_only };
+
 /// Reads the video once and lets everything see each frame: the tracker of either method, the
 /// paper's at both resolutions, both marker systems at both resolutions, the board.
-Recording record(const Sequence& sequence, const Progress& progress = {});
+Recording record(const Sequence& sequence, Methods methods, const Progress& progress = {});
 
 }  // namespace handyar::evaluation

@@ -13,6 +13,7 @@ namespace handyar::evaluation {
 /// What a person says of own footage; what is left empty comes from the sequence's folder.
 struct SequenceOptions {
   std::string camera_file, hand_file;
+  bool uncalibrated = false;  ///< the average hand, though a measured one is known
   std::optional<Board> board;
   std::optional<Marker> aruco, apriltag;
 };

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// A tree of footage, judged as a user feels it: the default method on every sequence, and how its
+// figures are distributed over sequences, since a thousand good frames of one room do not make up
+// for a room in which no hand is found.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "handyar/evaluation/accuracy.hpp"
+#include "handyar/evaluation/sequence.hpp"
+
+namespace handyar::evaluation {
+
+/// A video of a tree: of a folder with video.mp4 (a rendered one has truth.json there), or named in
+/// an open_frames.csv beside it (columns clip, frame, open, thumb_x ... little_y in pixels).
+struct Footage {
+  std::string group;  ///< the folder above, from the tree's root
+  Sequence sequence;
+  std::map<int, std::array<Eigen::Vector2d, kFingerCount>> open_tips_px;  ///< by frame; of a clip
+};
+
+/// All of a tree, in the order of their paths. Throws io::Error, also when there is none.
+std::vector<Footage> find_footage(const std::filesystem::path& tree,
+                                  const SequenceOptions& options);
+
+/// What one video comes to. Open frames: those in which five outstretched fingers have been in view
+/// for 0.4 s (in rendered ones also not among the first 25 frames).
+struct FootageFigures {
+  std::string group, name;
+  int frames = 0, open_frames = 0, right = 0, wrong = 0;
+  int handless_frames = 0, falsely_tracked = 0;  ///< a clip that never shows an open hand: all
+  int state_changes = 0;                         ///< between open frames
+  Summary rotation_deg, translation_percent, tip_of_span;
+  double palm_within_8px = kUnknown, nees_within_95 = kUnknown;  ///< shares
+  double tracking_ms = kUnknown, searching_ms = kUnknown;        ///< medians
+  std::string worst_caption;
+  std::vector<unsigned char> worst_jpeg;
+
+  double right_percent() const { return open_frames ? 100.0 * right / open_frames : kUnknown; }
+  double wrong_percent() const { return open_frames ? 100.0 * wrong / open_frames : kUnknown; }
+};
+
+FootageFigures measure(const Footage& footage);
+
+/// Writes sequences.csv, distribution.md and worst-1.jpg to worst-5.jpg into the folder; returns
+/// the text of distribution.md. Throws io::Error.
+std::string write_distribution(const std::string& folder,
+                               const std::vector<FootageFigures>& figures);
+
+}  // namespace handyar::evaluation

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "handyar/evaluation/footage.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "annotated_list.hpp"
+#include "handyar/evaluation/analysis.hpp"
+#include "handyar/evaluation/pictures.hpp"
+#include "handyar/io/error.hpp"
+
+namespace handyar::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kOpenFrames = "open_frames.csv";
+
+std::string group_of(const fs::path& folder, const fs::path& tree) {
+  const fs::path below =
+      fs::weakly_canonical(folder).lexically_relative(fs::weakly_canonical(tree));
+  return below == "." ? fs::weakly_canonical(tree).filename().string() : below.string();
+}
+
+/// The clips that a list of open frames names.
+std::vector<Footage> read_clips(const fs::path& list, const std::string& group,
+                                const SequenceOptions& options) {
+  const AnnotatedList frames(list.string());
+  std::map<std::string, Footage> clips;
+  for (const AnnotatedList::Row& row : frames.rows()) {
+    const std::string& name = frames.field(row, "clip");
+    auto at = clips.find(name);
+    if (at == clips.end())
+      at =
+          clips.emplace(name, Footage{group, open_sequence(list.parent_path() / name, options), {}})
+              .first;
+    if (frames.field(row, "open") != "1") continue;
+    at->second.open_tips_px[int(frames.number(row, "frame"))] = frames.tips_px(row);
+  }
+  std::vector<Footage> all;
+  for (auto& [name, clip] : clips) all.push_back(std::move(clip));
+  return all;
+}
+
+/// Whether all tips are known and near enough.
+bool is_right(const TrackResult& r, const std::array<Eigen::Vector2d, kFingerCount>& tips_px,
+              std::vector<double>& of_span) {
+  const double span_px = (tips_px.front() - tips_px.back()).norm();
+  std::array<double, kFingerCount> errors;
+  for (std::size_t f = 0; f < kFingerCount; ++f) {
+    errors[f] = r.tips[f].known() ? (r.tips[f].px - tips_px[f]).norm() / span_px : kUnknown;
+    if (!(errors[f] <= kWrongOfSpan)) return false;
+  }
+  of_span.insert(of_span.end(), errors.begin(), errors.end());
+  return true;
+}
+
+/// Counts frame by frame what became of the open ones.
+class Counter {
+ public:
+  explicit Counter(FootageFigures& figures) : figures_(figures) {}
+
+  void add(const TrackResult& r, bool open, bool right) {
+    const bool tracked = r.state == State::tracking;
+    figures_.open_frames += open;
+    figures_.right += open && tracked && right;
+    figures_.wrong += open && tracked && !right;
+    figures_.state_changes += open && previous_ && *previous_ != r.state;
+    previous_ = open ? std::optional(r.state) : std::nullopt;
+    (tracked ? tracking_ms_ : searching_ms_).push_back(r.times.total_ms);
+  }
+
+  void finish() {
+    figures_.tracking_ms = summarize(tracking_ms_).median;
+    figures_.searching_ms = summarize(searching_ms_).median;
+  }
+
+ private:
+  FootageFigures& figures_;
+  std::optional<State> previous_;
+  std::vector<double> tracking_ms_, searching_ms_;
+};
+
+void measure_rendered(const Analysis& a, FootageFigures& f) {
+  const std::vector<FrameError>& errors = a.main_track().errors;
+  Counter counter(f);
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    counter.add(a.recording.main_track().results[i], errors[i].eligible, !errors[i].wrong);
+  counter.finish();
+  const Accuracy all = summarize(errors);
+  f.handless_frames = all.hand_absent;
+  f.falsely_tracked = all.falsely_tracked;
+  f.rotation_deg = all.rotation_deg;
+  f.translation_percent = all.translation_percent;
+  f.tip_of_span = all.tip_of_span;
+  f.palm_within_8px = all.palm_within_8px;
+  f.nees_within_95 = all.nees_within_95;
+}
+
+void measure_clip(const Footage& footage, const Analysis& a, FootageFigures& f) {
+  const std::vector<TrackResult>& results = a.recording.main_track().results;
+  Counter counter(f);
+  std::vector<double> of_span;
+  int seen = 0, tracked = 0;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const auto tips = footage.open_tips_px.find(int(a.recording.frame_index[i]));
+    seen = tips == footage.open_tips_px.end() ? 0 : seen + 1;
+    const bool open = seen > kRegainFrames;
+    counter.add(results[i], open, open && is_right(results[i], tips->second, of_span));
+    tracked += results[i].state == State::tracking;
+  }
+  counter.finish();
+  f.tip_of_span = summarize(of_span);
+  if (f.open_frames > 0) return;
+  f.handless_frames = f.frames;
+  f.falsely_tracked = tracked;
+}
+
+}  // namespace
+
+std::vector<Footage> find_footage(const fs::path& tree, const SequenceOptions& options) {
+  std::set<fs::path> folders{tree};
+  for (const fs::directory_entry& e : fs::recursive_directory_iterator(tree))
+    if (e.is_directory()) folders.insert(e.path());
+  std::vector<Footage> all;
+  for (const fs::path& folder : folders) {
+    if (fs::exists(folder / kOpenFrames))
+      for (Footage& clip : read_clips(folder / kOpenFrames, group_of(folder, tree), options))
+        all.push_back(std::move(clip));
+    if (fs::exists(folder / "video.mp4"))
+      all.push_back({group_of(folder.parent_path(), tree), open_sequence(folder, options), {}});
+  }
+  if (all.empty())
+    throw io::Error(tree.string(), std::string("has no video.mp4 and no ") + kOpenFrames +
+                                       ", nor has a folder in it");
+  return all;
+}
+
+FootageFigures measure(const Footage& footage) {
+  const Analysis a = analyse(record(footage.sequence, Methods::figure_only));
+  FootageFigures f;
+  f.group = footage.group;
+  f.name = footage.sequence.name;
+  f.frames = int(a.recording.main_track().results.size());
+  if (a.has_truth())
+    measure_rendered(a, f);
+  else
+    measure_clip(footage, a, f);
+  for (Picture& p : take_pictures(a)) {
+    if (!f.worst_jpeg.empty() && !p.worst) continue;
+    f.worst_caption = p.caption;
+    f.worst_jpeg = std::move(p.jpeg);
+    if (p.worst) break;
+  }
+  return f;
+}
+
+}  // namespace handyar::evaluation
