@@ -48,7 +48,9 @@ void compare_tips(const TruthFrame& truth, const TrackResult& result, FrameError
 class Comparison {
  public:
   Comparison(const Truth& truth, const HandModel& hand)
-      : truth_(truth), T_model_true_(T_true_model(truth, hand).inverse()) {}
+      : truth_(truth),
+        T_model_true_(T_true_model(truth, hand).inverse()),
+        scale_(scale_to_truth(truth, hand)) {}
 
   FrameError operator()(const TruthFrame& f, const TrackResult& r) const {
     FrameError e;
@@ -64,13 +66,15 @@ class Comparison {
     const Eigen::Isometry3d turn = f.other_face ? turned_about_y() : Eigen::Isometry3d::Identity();
     const Eigen::Isometry3d T_model_hand = turn * T_model_true_ * turn.inverse();
     if (r.raw_pose) {
-      const Eigen::Isometry3d T = r.raw_pose->T_camera_hand * T_model_hand;
-      e.raw = pose_error(T, r.raw_pose->covariance, f.T_camera_hand);
+      const auto pose = scaled(*r.raw_pose);
+      const Eigen::Isometry3d T = pose.T_camera_hand * T_model_hand;
+      e.raw = pose_error(T, pose.covariance, f.T_camera_hand);
       e.board_raw_px = board_px(f, T);
     }
     if (r.pose) {
-      const Eigen::Isometry3d T = r.pose->T_camera_hand * T_model_hand;
-      e.filtered = pose_error(T, r.pose->covariance, f.T_camera_hand);
+      const auto pose = scaled(*r.pose);
+      const Eigen::Isometry3d T = pose.T_camera_hand * T_model_hand;
+      e.filtered = pose_error(T, pose.covariance, f.T_camera_hand);
       e.board_filtered_px = board_px(f, T);
       const Eigen::Vector3d palm_m = truth_.hand.palm_centre_m();
       e.palm_px =
@@ -81,6 +85,14 @@ class Comparison {
   }
 
  private:
+  template <typename Pose>
+  Pose scaled(Pose pose) const {
+    pose.T_camera_hand.translation() *= scale_;
+    pose.covariance.template bottomRows<3>() *= scale_;
+    pose.covariance.template rightCols<3>() *= scale_;
+    return pose;
+  }
+
   double board_px(const TruthFrame& f, const Eigen::Isometry3d& T_camera_hand) const {
     if (!truth_.board || !truth_.hand_still_in_world) return kUnknown;
     const Eigen::Isometry3d T_camera_board = f.T_camera_world * *truth_.T_world_board;
@@ -92,6 +104,7 @@ class Comparison {
 
   const Truth& truth_;
   Eigen::Isometry3d T_model_true_;
+  double scale_;
 };
 
 Summary summarize_counted(std::span<const FrameError> errors,
@@ -117,7 +130,17 @@ double share_within(double limit, std::span<const FrameError> errors,
 
 Eigen::Isometry3d T_true_model(const Truth& truth, const HandModel& hand) {
   if (hand.source == HandSource::truth) return Eigen::Isometry3d::Identity();
-  return rigid_fit(hand.for_layout(truth.hand.layout).tips_m, truth.hand.tips_m);
+  const Eigen::Matrix3Xd tips_m =
+      scale_to_truth(truth, hand) * hand.for_layout(truth.hand.layout).tips_m;
+  return rigid_fit(tips_m, truth.hand.tips_m);
+}
+
+double scale_to_truth(const Truth& truth, const HandModel& hand) {
+  if (!hand.scale_assumed()) return 1;
+  const auto size_m = [](const Eigen::Matrix3Xd& tips_m) {
+    return (tips_m.colwise() - tips_m.rowwise().mean()).norm();
+  };
+  return size_m(truth.hand.tips_m) / size_m(hand.tips_m);
 }
 
 std::vector<FrameError> compare(const Truth& truth, const HandModel& hand,

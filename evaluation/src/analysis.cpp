@@ -25,7 +25,7 @@ TrackAnalysis analyse_track(const Recording& r, const Track& track, bool board_i
   TrackAnalysis a;
   const Sequence& s = r.sequence;
   if (s.truth) {
-    a.errors = compare(*s.truth, s.hand, track.results);
+    a.errors = compare(*s.truth, track.hand, track.results);
     if (s.truth->board && s.truth->hand_still_in_world)
       for (const FrameError& e : a.errors) {
         a.raw.exact_px.push_back(e.counted() ? e.board_raw_px : kUnknown);

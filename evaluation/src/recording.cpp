@@ -111,6 +111,8 @@ class Session {
   }
 
   Recording take() {
+    for (std::size_t i = 0; i < trackers_.size(); ++i)
+      recording_.tracks[i].hand = trackers_[i].hand();
     for (MarkerPass& pass : markers_) recording_.markers.push_back(pass.take());
     return std::move(recording_);
   }
@@ -120,7 +122,7 @@ class Session {
  private:
   void add(const char* method, bool half, AnyTracker tracker) {
     trackers_.push_back(std::move(tracker));
-    recording_.tracks.push_back({method, half, {}});
+    recording_.tracks.push_back({method, half, {}, {}});
   }
 
   Recording recording_;

@@ -130,8 +130,9 @@ Table motion_table(const Analysis& a) {
   const Sequence& s = a.recording.sequence;
   for (const bool filtered : {false, true}) {
     const std::string row = filtered ? "filtered pose" : "raw pose";
-    const Poses poses = right_poses(*s.truth, s.hand, a.recording.main_track().results,
-                                    a.main_track().errors, filtered);
+    const Poses poses =
+        right_poses(*s.truth, a.recording.main_track().hand, a.recording.main_track().results,
+                    a.main_track().errors, filtered);
     const Jitter j = jitter(*s.truth, poses);
     t.add(row, "jitter of translation", j.translation_mm, "mm");
     t.add(row, "jitter of rotation", j.rotation_deg, "°");

@@ -54,7 +54,11 @@ struct FrameError {
 /// frame is laid on the true one by the best rigid fit of the five tips.
 Eigen::Isometry3d T_true_model(const Truth& truth, const HandModel& hand);
 
-/// Errors of a track, one a frame of the track; frames that truth does not know are left empty.
+/// By how much lengths have to be multiplied for a hand of assumed scale to be as large as the true
+/// one, fingertips about their mean; 1 for a measured hand.
+double scale_to_truth(const Truth& truth, const HandModel& hand);
+
+/// Errors of a track, as the hand came to be known, one a frame of the track; frames that truth does not know are left empty.
 std::vector<FrameError> compare(const Truth& truth, const HandModel& hand,
                                 std::span<const TrackResult> track);
 

@@ -23,6 +23,7 @@ struct Track {
   std::string method;  ///< kFigure, kPaper or kPaperCurvature
   bool half_resolution = false;
   std::vector<TrackResult> results;
+  HandModel hand = {};  ///< as it was known at the end
 };
 
 /// What a marker system gave, frame by frame: detection with pose.
