@@ -29,6 +29,8 @@ constexpr double kLeastLines = 12;
 constexpr float kLeastSpacing_px = 3;
 // Colours are learned this far from the outline at most, inside and outside.
 constexpr double kLearnInside_m = 0.0075, kLearnOutside_m = 0.0135;
+// Colours of which less is kept tell nothing.
+constexpr float kForgets = 0.01f;
 
 }  // namespace
 
@@ -155,6 +157,7 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
   if (!silhouette.valid()) return;
   const PixelReader reader(frame);
   const int count = silhouette.choose(impl_->spacing_px(silhouette), impl_->anchors);
+  const bool colors_count = keep > kForgets;
   impl_->colors.fade(keep);
   const float margin = std::max(1.0f, static_cast<float>(silhouette.to_px(margin_m)));
   const float step = std::max(1.0f, static_cast<float>(silhouette.to_px(kStep_m)));
@@ -164,6 +167,8 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
     place.px += static_cast<float>(state.boundary_px) * place.normal;
     const BoundaryLine line(reader, view, place, step, anchor.inside_px, anchor.outside_px);
     const int finger = finger_of(anchor.a);
+    if (colors_count && line.inside_frame() && line.find(impl_->colors, finger, true).log_ratio < 0)
+      continue;
     const float in = std::min(anchor.inside_px,
                               static_cast<float>(silhouette.to_px(kLearnInside_m))),
                 out = std::min(anchor.outside_px,

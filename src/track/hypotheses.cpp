@@ -60,8 +60,8 @@ HandPrior prior_around(const HandState& expected, const Person& person,
   sigma.head<3>().setConstant(motion.rotation_sigma_rad);
   sigma.segment<3>(3).setConstant(motion.translation_sigma_m);
   sigma.segment<kFingerCount>(kAbductionAt).setConstant(motion.abduction_sigma_rad);
-  sigma[kAbductionAt] = motion.thumb_abduction_sigma_rad;
   sigma.segment<kFingerCount>(kFlexionAt).setConstant(motion.flexion_sigma_rad);
+  sigma[kAbductionAt] = sigma[kFlexionAt] = motion.thumb_sigma_rad;
   sigma[kBoundaryAt] = motion.boundary_sigma_px;
   prior.information = sigma.array().square().inverse().matrix().asDiagonal();
   prior.information.bottomRightCorner<kFigureModes, kFigureModes>() = person.information();

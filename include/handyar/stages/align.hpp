@@ -87,7 +87,8 @@ class Aligner {
                   const HandState& start, const HandPrior& prior, bool coarse) noexcept;
 
   /// Takes colours from both sides of the outline of a state; older ones fade to `keep`. `margin_m`
-  /// on both sides of the outline is left out.
+  /// on both sides of the outline is left out. Where the colours so far tell of a boundary elsewhere,
+  /// none are taken: the figure lies wrong there, and would be confirmed in it.
   void learn(const ImageView& frame, const Camera& camera, Appearance appearance,
              const HandState& state, float keep, double margin_m) noexcept;
 
