@@ -24,8 +24,8 @@ struct Film {
 
   /// Fingers up, a little tilted, moving slowly.
   Eigen::Isometry3d pose_at(double t_s) const {
-    return hand_at(0.42, tilt_rad * (1 + 0.43 * std::sin(2 * t_s)), 0.6 + 2 * (tilt_rad - deg(20)) * t_s,
-                   {0.015 * std::sin(1.5 * t_s), -0.03});
+    return hand_at(0.42, tilt_rad * (1 + 0.43 * std::sin(2 * t_s)),
+                   0.6 + 2 * (tilt_rad - deg(20)) * t_s, {0.015 * std::sin(1.5 * t_s), -0.03});
   }
 
   Picture picture() const {
@@ -64,11 +64,12 @@ struct Film {
     return camera.project(T_camera_hand * posed.tips_m.col(finger).eval());
   }
 
-  /// Largest distance of a tip reported to its true place.
+  /// Largest distance of a tip reported to its true place; infinite when one is not reported.
   double worst_tip_px() const {
     double worst = 0;
     for (int f = 0; f < kFingerCount; ++f)
-      if (result.tips[f].seen) worst = std::max(worst, (result.tips[f].px - true_tip_px(f)).norm());
+      worst = result.tips[f].known() ? std::max(worst, (result.tips[f].px - true_tip_px(f)).norm())
+                                     : std::numeric_limits<double>::infinity();
     return worst;
   }
 

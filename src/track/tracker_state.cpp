@@ -207,6 +207,10 @@ void HandTracker::Impl::filter(TrackResult& result) noexcept {
   raw.noise_covariance = kNoisePart * raw.covariance;
   raw.rms_px = best.rms_px;
   result.raw_pose = raw;
+  // A hand that turns over goes on in another hand frame: the half turn between them is no motion.
+  const Layout layout = seen.hypotheses.best().appearance.layout;
+  if (layout != seen.filtered_layout) seen.filter.reset();
+  seen.filtered_layout = layout;
   seen.filter.update(seen.time_s, raw);
   result.pose = seen.filter.predict(seen.time_s);
 }

@@ -23,6 +23,7 @@ struct TrackerState {
   Hypotheses hypotheses;
   Person person;
   PoseFilter filter;
+  Layout filtered_layout = Layout::thumb_right;  ///< of the hand frame that the filter follows
 };
 
 struct HandTracker::Impl {
