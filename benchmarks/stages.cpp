@@ -55,8 +55,8 @@ void align(benchmark::State& state) {
   Scene* s = scene(state);
   if (s == nullptr) return;
   for (auto _ : state)
-    benchmark::DoNotOptimize(
-        s->aligner.align(view(s->picture), clip().camera, s->appearance, s->state, s->prior, false));
+    benchmark::DoNotOptimize(s->aligner.align(view(s->picture), clip().camera, s->appearance,
+                                              s->state, s->prior, 0.009));
 }
 
 void learn(benchmark::State& state) {

@@ -30,7 +30,7 @@ struct Scene {
   }
 
   Alignment align(const HandState& start) {
-    return aligner.align(picture.view(), camera, hand.appearance, start, prior(start), true);
+    return aligner.align(picture.view(), camera, hand.appearance, start, prior(start), 0.021);
   }
 
   Camera camera;
@@ -74,7 +74,7 @@ TEST(Aligner, AnEmptyRoomSpeaksAgainstAHand) {
   room.texture(24, "Scene");
   room.add_noise(4, 2);
   const Alignment a = scene.aligner.align(room.view(), scene.camera, scene.hand.appearance,
-                                          scene.hand.state, scene.prior(scene.hand.state), false);
+                                          scene.hand.state, scene.prior(scene.hand.state), 0.009);
   EXPECT_TRUE(!a.valid || a.log_ratio < 6) << a.log_ratio;
 }
 

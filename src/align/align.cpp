@@ -18,10 +18,19 @@ namespace {
 // Lengths of a line's segments, one iteration each, in steps of kStep_m at the hand: from coarse,
 // which reaches far, to fine, which is exact.
 constexpr std::array<float, 9> kSegments{4, 4, 4, 3, 2, 2, 1, 1, 1};
-constexpr int kFirstWhenFollowing = 3;
-// What is visible changes little from step to step: it is looked at anew before these.
-constexpr bool chooses_anew(std::size_t iteration) { return iteration % 3 == 0; }
 constexpr double kStep_m = 0.00075;
+// A line has so many segments on either side.
+constexpr int kLineHalf = 7;
+// What is visible changes little from step to step: it is looked at anew after so many.
+constexpr std::size_t kChosenFor = 3;
+
+/// The last, finest iteration whose lines reach so far: what comes before it is not needed.
+std::size_t first_iteration(double reach_m) {
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < kSegments.size() && kSegments[i] > 1; ++i)
+    if (kLineHalf * kSegments[i] * kStep_m >= reach_m) first = i;
+  return first;
+}
 // Neighbouring lines see the same light, the same wrong figure: so much of one's say is its own.
 constexpr double kLineWeight = 0.15;
 constexpr double kLeastLines = 12;
@@ -75,7 +84,7 @@ struct Aligner::Impl {
 
   /// One step of Gauss-Newton; returns false when too little is seen.
   bool step(const ImageView& frame, const Camera& camera, Appearance appearance,
-            const HandPrior& prior, std::size_t iteration, Alignment& a) noexcept;
+            const HandPrior& prior, std::size_t iteration, bool choose, Alignment& a) noexcept;
 };
 
 Aligner::Aligner(const AlignConfig& config) : impl_(std::make_unique<Impl>()) {
@@ -91,14 +100,15 @@ std::span<const OutlinePoint> Aligner::outline() const noexcept {
 }
 
 bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearance appearance,
-                         const HandPrior& prior, std::size_t iteration, Alignment& a) noexcept {
+                         const HandPrior& prior, std::size_t iteration, bool choose,
+                         Alignment& a) noexcept {
   constexpr double kNearest_m = 0.03;
   if (!(a.state.T_camera_hand.translation().z() > kNearest_m)) return false;
   const HandView view(camera, a.state.T_camera_hand.translation());
   const Silhouette silhouette(appearance, a.state, view);
   if (!silhouette.valid()) return false;
   const PixelReader reader(frame);
-  if (chooses_anew(iteration)) anchor_count = silhouette.choose(spacing_px(silhouette), anchors);
+  if (choose) anchor_count = silhouette.choose(spacing_px(silhouette), anchors);
   const bool fine = kSegments[iteration] == 1;
   const float segment_px =
       std::max(1.0f, kSegments[iteration] * static_cast<float>(silhouette.to_px(kStep_m)));
@@ -141,11 +151,14 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
 }
 
 Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearance appearance,
-                         const HandState& start, const HandPrior& prior, bool coarse) noexcept {
+                         const HandState& start, const HandPrior& prior, double reach_m) noexcept {
   Alignment a;
   a.state = start;
-  for (std::size_t i = coarse ? 0 : kFirstWhenFollowing; i < kSegments.size(); ++i)
-    if (!impl_->step(frame, camera, appearance, prior, i, a)) return a;
+  const std::size_t first = first_iteration(reach_m);
+  for (std::size_t i = first; i < kSegments.size(); ++i) {
+    const bool choose = (i - first) % kChosenFor == 0;
+    if (!impl_->step(frame, camera, appearance, prior, i, choose, a)) return a;
+  }
   a.valid = a.state.T_camera_hand.matrix().allFinite();
   return a;
 }

@@ -26,6 +26,11 @@ constexpr double kFirstFrame = 0.1;
 constexpr double kReconsider_s = 1.0, kReconsiderWeight = -4.0;
 // A hand goes on as it went, a little slower: hands stop.
 constexpr double kKeepsOn = 0.8;
+// How far the outline may be off where a hand is expected, and how far when nothing much is found
+// there or it has only just been seen.
+constexpr double kNear_m = 0.009, kFar_m = 0.021;
+// Less evidence than this: it may have moved farther than expected.
+constexpr double kPoor = 9.0;
 
 /// A hand that has turned over shows its other face, with the thumb on the other side: the same
 /// solid, its frame turned by half a turn about the fingers.
@@ -109,14 +114,14 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     a.valid = true;
     for (const double margin_m : kStartMargins_m) {
       aligner.learn(frame, camera, appearance, a.state, kForgetAll, margin_m);
-      a = aligner.align(frame, camera, appearance, a.state, prior, true);
+      a = aligner.align(frame, camera, appearance, a.state, prior, kFar_m);
       if (!a.valid) break;
     }
     add(appearance, a, kFirstFrame * a.log_posterior);
     if (!a.valid) continue;
     HandState other = a.state;
     other.T_camera_hand = other_planar_solution(a.state.T_camera_hand);
-    const Alignment b = aligner.align(frame, camera, appearance, other, prior, true);
+    const Alignment b = aligner.align(frame, camera, appearance, other, prior, kFar_m);
     if (b.valid && a.state.difference(b.state).head<3>().norm() > kSame_rad)
       add(appearance, b, kFirstFrame * b.log_posterior);
   }
@@ -130,8 +135,10 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, const Pers
   for (int i = count_ - 1; i >= 0; --i) {  // the best last: its outline is the one to show
     Hypothesis& h = items_[i];
     const HandState before = h.alignment.state, expected = predicted(h, dt_s).alignment.state;
-    h.alignment = aligner.align(frame, camera, h.appearance, expected,
-                                prior_around(expected, person, config), false);
+    const HandPrior prior = prior_around(expected, person, config);
+    h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kNear_m);
+    if (!h.alignment.valid || h.alignment.log_ratio < kPoor)
+      h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kFar_m);
     if (!h.alignment.valid) continue;
     h.velocity = before.difference(h.alignment.state).head<6>() / dt_s;
     turn_over(h);
@@ -162,7 +169,7 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, const 
   start.posture = {};
   if (other_plane) start.T_camera_hand = other_planar_solution(start.T_camera_hand);
   const Alignment a =
-      aligner.align(frame, camera, appearance, start, prior_around(start, person, config), true);
+      aligner.align(frame, camera, appearance, start, prior_around(start, person, config), kFar_m);
   if (!a.valid ||
       (!other_face && a.state.difference(now.alignment.state).head<3>().norm() < kSame_rad))
     return;

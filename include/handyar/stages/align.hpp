@@ -82,13 +82,13 @@ class Aligner {
   /// Forgets the colours.
   void forget() noexcept;
 
-  /// Steps from coarse to fine from `start` on. `coarse`: for starts that may be far off.
+  /// Steps from coarse to fine from `start` on, whose outline is off by about `reach_m` at most.
   Alignment align(const ImageView& frame, const Camera& camera, Appearance appearance,
-                  const HandState& start, const HandPrior& prior, bool coarse) noexcept;
+                  const HandState& start, const HandPrior& prior, double reach_m) noexcept;
 
   /// Takes colours from both sides of the outline of a state; older ones fade to `keep`. `margin_m`
-  /// on both sides of the outline is left out. Where the colours so far tell of a boundary elsewhere,
-  /// none are taken: the figure lies wrong there, and would be confirmed in it.
+  /// on both sides of the outline is left out. Where the colours so far tell of a boundary
+  /// elsewhere, none are taken: the figure lies wrong there, and would be confirmed in it.
   void learn(const ImageView& frame, const Camera& camera, Appearance appearance,
              const HandState& state, float keep, double margin_m) noexcept;
 
