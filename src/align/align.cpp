@@ -22,7 +22,7 @@ constexpr double kStep_m = 0.00075;
 // A line has so many segments on either side.
 constexpr int kLineHalf = 7;
 // What is visible changes little from step to step: it is looked at anew after so many.
-constexpr std::size_t kChosenFor = 3;
+constexpr std::size_t kChosenFor = 4;
 
 /// The last, finest iteration whose lines reach so far: what comes before it is not needed.
 std::size_t first_iteration(double reach_m) {
@@ -174,6 +174,7 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
   impl_->colors.fade(keep);
   const float margin = std::max(1.0f, static_cast<float>(silhouette.to_px(margin_m)));
   const float step = std::max(1.0f, static_cast<float>(silhouette.to_px(kStep_m)));
+  const float apart = step;  // neighbours on a line are of one colour
   for (int i = 0; i < count; ++i) {
     const OutlineAnchor& anchor = impl_->anchors[i];
     OutlinePlace place = silhouette.place(anchor);
@@ -186,9 +187,9 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
                               static_cast<float>(silhouette.to_px(kLearnInside_m))),
                 out = std::min(anchor.outside_px,
                                static_cast<float>(silhouette.to_px(kLearnOutside_m)));
-    for (float r = margin; r < in; r += step)
+    for (float r = margin; r < in; r += apart)
       if (const auto pixel = line.pixel(-r)) impl_->colors.add(finger, pixel->bin, true);
-    for (float r = margin; r < out; r += step)
+    for (float r = margin; r < out; r += apart)
       if (const auto pixel = line.pixel(r)) impl_->colors.add(finger, pixel->bin, false);
   }
   impl_->colors.finish();

@@ -38,24 +38,26 @@ void OutlineColors::normalise() noexcept {
   weight_ = 1;
 }
 
-void OutlineColors::spread(int table, ColorBin bin, bool hand) noexcept {
+void OutlineColors::add(int part, ColorBin bin, bool hand) noexcept {
   const auto put = [&](int at, float share) {
-    Counts& counts = bins_[at].tables[table];
-    (hand ? counts.hand : counts.background) += share * weight_;
+    Bin& counts = bins_[at];
+    if (hand) {
+      counts.tables[part].hand += share;
+      counts.tables[kTogether].hand += share;
+    } else {
+      counts.tables[part].background += share;
+      counts.tables[kTogether].background += share;
+    }
   };
-  put(bin, kCentre);
+  put(bin, kCentre * weight_);
   for (int shift = 0; shift <= kLumaShift; shift += 5) {
     const int level = bin >> shift & (kBinLevels - 1);
     const int top = (shift == kLumaShift ? kLumaLevels : kBinLevels) - 1;
-    put(level > 0 ? bin - (1 << shift) : bin, kNeighbour);
-    put(level < top ? bin + (1 << shift) : bin, kNeighbour);
+    put(level > 0 ? bin - (1 << shift) : bin, kNeighbour * weight_);
+    put(level < top ? bin + (1 << shift) : bin, kNeighbour * weight_);
   }
-  (hand ? totals_[table].hand : totals_[table].background) += weight_;
-}
-
-void OutlineColors::add(int part, ColorBin bin, bool hand) noexcept {
-  spread(part, bin, hand);
-  spread(kTogether, bin, hand);
+  for (const int table : {part, kTogether})
+    (hand ? totals_[table].hand : totals_[table].background) += weight_;
 }
 
 void OutlineColors::finish() noexcept {

@@ -46,7 +46,6 @@ class OutlineColors {
   };
 
   void normalise() noexcept;
-  void spread(int table, ColorBin bin, bool hand) noexcept;
 
   std::vector<Bin> bins_;
   std::array<Counts, kTables> totals_{};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "align/topology.hpp"
 #include "pose/so3.hpp"
 
 namespace handyar {
@@ -12,49 +13,10 @@ namespace {
 
 // Below the wrist comes the forearm, of about this length while a hand is in view.
 constexpr double kForearm_m = 0.12;
-constexpr int kForearm = kSphereCount;  // the two discs at its far end
 // Less than this beside a place on the outline, and what lies there cannot be told.
 constexpr double kLeastInside_m = 0.0022, kLeastOutside_m = 0.0026;
 // Farther than this from the outline nothing is asked.
 constexpr double kReach_m = 0.016;
-
-/// Pairs of spheres that span a capsule, each once, and the sheets' triples; the forearm's behind.
-struct Topology {
-  struct Pair {
-    std::uint8_t a, b;
-  };
-  std::array<Pair, 64> pairs{};
-  int pair_count = 0, own_pairs = 0;
-  std::array<std::array<std::uint8_t, 3>, 32> sheets{};
-  int sheet_count = 0, own_sheets = 0;
-
-  void add(int a, int b) {
-    if (a > b) std::swap(a, b);
-    for (int i = 0; i < pair_count; ++i)
-      if (pairs[i].a == a && pairs[i].b == b) return;
-    pairs[pair_count++] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
-  }
-  void add_sheet(int a, int b, int c) {
-    sheets[sheet_count++] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b),
-                             static_cast<std::uint8_t>(c)};
-  }
-
-  Topology() {
-    for (const auto& [a, b, c] : figure_hulls()) {
-      add(a, b);
-      if (c < 0) continue;
-      add(b, c);
-      add(a, c);
-      add_sheet(a, b, c);
-    }
-    own_pairs = pair_count;
-    own_sheets = sheet_count;
-    add(kWristThumb, kForearm);
-    add(kWristLittle, kForearm + 1);
-    add_sheet(kWristThumb, kWristLittle, kForearm);
-    add_sheet(kWristLittle, kForearm, kForearm + 1);
-  }
-};
 
 const Topology& topology() {
   static const Topology t;
@@ -246,8 +208,7 @@ Eigen::Matrix<double, 1, kHandFreedoms> Silhouette::derivative(
   return row;
 }
 
-void Silhouette::try_anchor(OutlineAnchor anchor, float unit_px, Anchors& anchors,
-                            int& count) const noexcept {
+void Silhouette::try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept {
   if (count == kMaxAnchors) return;
   const OutlinePlace at = place(anchor);
   const float first = 0.5f;
@@ -273,7 +234,6 @@ void Silhouette::try_anchor(OutlineAnchor anchor, float unit_px, Anchors& anchor
                           : (1 - anchor.along) * r_[anchor.a] + anchor.along * r_[anchor.b];
   anchor.inside_px = std::min(1.5f * thick, reach);
   if (anchor.inside_px < least_inside) return;
-  (void)unit_px;
   anchors[count++] = anchor;
 }
 
@@ -289,8 +249,7 @@ int Silhouette::choose(float spacing_px, Anchors& anchors) const noexcept {
     const int n = std::max(1, static_cast<int>(std::lround(tangent / spacing_px)));
     for (const int side : {-1, 1})
       for (int k = 0; k < n; ++k)
-        try_anchor({a, b, static_cast<std::int8_t>(side), (k + 0.5f) / n}, spacing_px, anchors,
-                   count);
+        try_anchor({a, b, static_cast<std::int8_t>(side), (k + 0.5f) / n}, anchors, count);
   }
   for (const std::uint8_t s : kRound) {
     const int n =
@@ -302,8 +261,8 @@ int Silhouette::choose(float spacing_px, Anchors& anchors) const noexcept {
       from = std::atan2(d.y(), d.x());
     }
     for (int k = 0; k < n; ++k)
-      try_anchor({s, s, 1, from + static_cast<float>(2 * std::numbers::pi * k / n)}, spacing_px,
-                 anchors, count);
+      try_anchor({s, s, 1, from + static_cast<float>(2 * std::numbers::pi * k / n)}, anchors,
+                 count);
   }
   return count;
 }

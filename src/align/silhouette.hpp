@@ -86,7 +86,7 @@ class Silhouette {
   std::size_t sheet_polygon(int sheet,
                             std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept;
   bool in_a_sheet(const Eigen::Vector2f& p) const noexcept;
-  void try_anchor(OutlineAnchor anchor, float unit_px, Anchors& anchors, int& count) const noexcept;
+  void try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept;
 
   bool valid_ = true;
   double f_px_ = 0, depth_m_ = 1;

@@ -17,6 +17,8 @@ os.environ['OPENCV_IO_ENABLE_OPENEXR'] = '1'
 import cv2
 import numpy as np
 
+from samples import palm_of
+
 SIDE = 208  # longest side of a cut-out, pixels
 STILLS = ('SubhiH/HandsDataset', 'ardamavi/Sign-Language-Digits-Dataset')
 CLIPS = ('wall_a.mp4', 'desk_stereo0.mp4', 'desk_stereo1.mp4')
@@ -99,6 +101,33 @@ def real_hands(real):
                 yield bgr, frames[i]
 
 
+def grab(bgr, tips):
+    """Alpha of the hand with these fingertips in a photograph, by GrabCut; None when it fails."""
+    palm = palm_of(tips)
+    span = np.linalg.norm(tips - palm, axis=1).max() * 1.4
+    px = lambda p: tuple(int(round(v)) for v in p)
+    mask = np.full(bgr.shape[:2], cv2.GC_BGD, np.uint8)
+    for tip in tips:
+        cv2.line(mask, px(palm), px(tip + 0.06 * (tip - palm)), cv2.GC_PR_BGD, int(0.24 * span))
+    cv2.circle(mask, px(palm), int(0.34 * span), cv2.GC_PR_FGD, -1)
+    for tip in tips:
+        cv2.line(mask, px(palm), px(tip), cv2.GC_PR_FGD, int(0.1 * span))
+    for a, b in zip(tips[:-1], tips[1:]):
+        between = 0.5 * (a + b)
+        if np.linalg.norm(a - b) > 0.2 * span:
+            cv2.line(mask, px(palm + 0.74 * (between - palm)), px(palm + 1.2 * (between - palm)), cv2.GC_BGD, max(1, int(0.03 * span)))
+    for tip in tips:
+        cv2.line(mask, px(palm), px(palm + 0.95 * (tip - palm)), cv2.GC_FGD, max(1, int(0.035 * span)))
+    cv2.circle(mask, px(palm), int(0.18 * span), cv2.GC_FGD, -1)
+    cv2.grabCut(bgr, mask, None, np.zeros((1, 65)), np.zeros((1, 65)), 6, cv2.GC_INIT_WITH_MASK)
+    hand = ((mask == cv2.GC_FGD) | (mask == cv2.GC_PR_FGD)).astype(np.uint8)
+    count, labels = cv2.connectedComponents(hand)
+    hand = labels == labels[px(palm)[::-1]]
+    if not 0.15 < hand.sum() / span ** 2 < 0.75:
+        return None
+    return cv2.GaussianBlur(255 * hand.astype(np.uint8), (3, 3), 0)
+
+
 def backgrounds(folders, plates):
     for folder in folders:
         for root, _, files in os.walk(folder):
@@ -148,6 +177,10 @@ def main():
             small = cv2.resize(bgr, None, fx=s, fy=s, interpolation=cv2.INTER_AREA)
             pictures.append(np.dstack([small, np.full(small.shape[:2], 255, np.uint8)]))
             tips.append((t + 0.5) * s - 0.5); faces.append(-1); kinds.append(WHOLE)
+            alpha = grab(small, tips[-1])
+            made = None if alpha is None else cut(small, alpha, tips[-1])
+            if made:
+                pictures.append(made[0]); tips.append(made[1]); faces.append(-1); kinds.append(OPEN)
     if pictures:
         pack(os.path.join(a.out, a.name + '.npz'), pictures, tips=tips, faces=faces, kinds=kinds)
         print(len(pictures), 'hands,', kinds.count(CLOSED), 'closed')

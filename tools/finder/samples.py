@@ -53,6 +53,8 @@ class Samples:
         self.people, self.rooms = np.nonzero(people == 1)[0], np.nonzero(people == 0)[0]
         kinds = lambda k: [(p, i) for p in range(len(self.packs)) for i in np.nonzero(self.packs[p].more['kinds'] == k)[0]]
         self.open, self.closed, self.whole = kinds(OPEN), kinds(CLOSED), kinds(WHOLE)
+        # Of photographs there are few: they are taken more often than their number says.
+        self.photographed = [(p, i) for p, i in self.open if self.packs[p].more['faces'][i] < 0]
 
     def pick(self, items):
         return items[self.rng.integers(len(items))]
@@ -170,13 +172,14 @@ class Samples:
             c = np.array(picture.shape[1::-1]) / 2
             self.paste(canvas, picture, self.placing(c, max(picture.shape[:2]), r.uniform([0, 0], [WIDTH, HEIGHT]), 25, 120), 0.5)
         kind = r.random()
-        if kind < 0.18 and self.whole:
+        if kind < 0.1 and self.whole:
             p, i = self.pick(self.whole)
             hands += self.add(canvas, p, i, 28, 95)
         elif kind < 0.8:
             count = 2 if r.random() < 0.08 else 1
             for _ in range(count):
-                hands += self.add(canvas, *self.pick(self.open), 19, 105)
+                real = self.photographed and r.random() < 0.3
+                hands += self.add(canvas, *self.pick(self.photographed if real else self.open), 19, 105)
         return self.finish(canvas), hands
 
     def add(self, canvas, p, i, least, most):
@@ -190,7 +193,7 @@ class Samples:
         if pack.more['kinds'][i] == OPEN and r.random() < 0.15:  # light before the window, dark hand, or the reverse
             canvas *= r.uniform(1.2, 2.0) if r.random() < 0.6 else r.uniform(0.25, 0.7)
             np.clip(canvas, 0, 255, out=canvas)
-        self.paste(canvas, picture, M, 0.45)
+        self.paste(canvas, picture, M, 0.33)
         return [self.hand_tips(M, tips)]
 
     def target(self, hands):
