@@ -23,6 +23,8 @@ constexpr float kSameHand = 0.35f;
 constexpr float kReach = 0.22f;
 // The second look takes in so many spans around the hand.
 constexpr float kSecondLook = 2.6f;
+// Candidates less likely than this are not looked at again.
+constexpr float kWorthALook = -4.0f;
 
 float sigmoid(float x) { return 1 / (1 + std::exp(-x)); }
 
@@ -221,23 +223,24 @@ std::span<const HandCandidate> HandFinder::search(const ImageView& frame) noexce
                              static_cast<float>(frame.height_px));
   const Eigen::Vector2f middle = 0.5f * size - Eigen::Vector2f::Constant(0.5f);
   const float whole = std::max(size.x(), size.y() * 4 / 3);
-  finder.look(frame, {middle, whole});
-
-  const auto likely = [&] { return finder.count > 0 && finder.candidates[0].log_odds > 0; };
-  if (!likely()) {
-    // Parts of half the frame's size: the middle and around it.
-    constexpr std::array<std::array<float, 2>, 5> kParts{
-        {{0, 0}, {-0.25f, -0.25f}, {0.25f, -0.25f}, {-0.25f, 0.25f}, {0.25f, 0.25f}}};
-    const auto& part = kParts[static_cast<std::size_t>(finder.turn++) % kParts.size()];
+  // The whole and, for small hands, a part of half its size in turn: the middle and around it.
+  constexpr std::array<std::array<float, 2>, 5> kParts{
+      {{0, 0}, {-0.25f, -0.25f}, {0.25f, -0.25f}, {-0.25f, 0.25f}, {0.25f, 0.25f}}};
+  if (finder.turn % 2 == 0) {
+    finder.look(frame, {middle, whole});
+  } else {
+    const auto& part = kParts[static_cast<std::size_t>(finder.turn / 2) % kParts.size()];
     const Eigen::Vector2f off = Eigen::Vector2f(part[0], part[1]).cwiseProduct(size);
     finder.look(frame, {middle + off, 0.5f * whole});
   }
-  if (finder.count > 0) {
-    const HandCandidate best = finder.candidates[0];
+  const HandCandidate best = finder.candidates[0];
+  if (finder.count > 0 && best.log_odds > kWorthALook) {
     Eigen::Vector2f around = best.palm_px;
     for (const Eigen::Vector2f& tip : best.tips_px) around += tip;
     finder.look(frame, {around / (1 + kFingerCount), kSecondLook * best.span_px()});
   }
+  // Where a hand is likely the next frame is searched in the same way.
+  if (finder.count == 0 || finder.candidates[0].log_odds < 0) ++finder.turn;
   return {finder.candidates.data(), static_cast<std::size_t>(finder.count)};
 }
 

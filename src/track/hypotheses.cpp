@@ -10,8 +10,13 @@
 namespace handyar {
 namespace {
 
-// A new hand's colours are taken ever nearer to its outline while the figure settles on it.
-constexpr std::array<double, 4> kStartMargins_m{0.006, 0.004, 0.003, 0.002};
+// A new hand's colours are taken ever nearer to its outline while the figure settles on it: what is
+// left out on both sides, and how far off the outline may still be.
+struct Settling {
+  double margin_m, reach_m;
+};
+constexpr std::array<Settling, 4> kSettling_m{
+    {{0.006, 0.021}, {0.004, 0.014}, {0.003, 0.009}, {0.002, 0.009}}};
 constexpr double kForgetAll = 1e-3;
 // Two planar solutions that end this near to each other are one.
 constexpr double kSame_rad = 0.1;
@@ -112,9 +117,9 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     Alignment a;
     a.state = start;
     a.valid = true;
-    for (const double margin_m : kStartMargins_m) {
+    for (const auto [margin_m, reach_m] : kSettling_m) {
       aligner.learn(frame, camera, appearance, a.state, kForgetAll, margin_m);
-      a = aligner.align(frame, camera, appearance, a.state, prior, kFar_m);
+      a = aligner.align(frame, camera, appearance, a.state, prior, reach_m);
       if (!a.valid) break;
     }
     add(appearance, a, kFirstFrame * a.log_posterior);

@@ -141,7 +141,7 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
   const double since_s = seen.time_s - seen.looked_s;
   if (sure && since_s < kLook_s) return;
   seen.looked_s = seen.time_s;
-  find(frame, sure);
+  find(frame, had);
   if (had)
     seen.belief +=
         std::min(1.0, since_s / kEvidence_s) * std::clamp(verdict(), -kMostFrame, kMostFrame);
