@@ -16,7 +16,7 @@ from train import as_input
 
 STRIDE = 4
 LEAST, REACH = -2.5, 0.22
-OTHER_ROOMS = 2.0  # real rooms hold so many times more that is like a hand, or less like the hands here
+OTHER_ROOMS = 1.2  # real rooms hold so many times more that is like a hand than these pictures do
 
 
 def sigmoid(x):

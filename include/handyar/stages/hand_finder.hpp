@@ -38,8 +38,8 @@ class HandFinder {
   HandFinder(HandFinder&&) noexcept;
   HandFinder& operator=(HandFinder&&) noexcept;
 
-  /// Searches a frame of its own accord: the whole, one of its parts in turn for smaller hands, and
-  /// once more around the likeliest hand for its fingertips. The likeliest candidate first. Valid
+  /// Searches a frame: the whole or, for smaller hands, one of its parts, in turn from frame to
+  /// frame, and once more around the likeliest hand for its fingertips. The likeliest candidate first. Valid
   /// until the next call.
   std::span<const HandCandidate> search(const ImageView& frame) noexcept;
 
