@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 
 #include "handyar/evaluation/footage.hpp"
 #include "handyar/evaluation/tables.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/evaluation/footage.hpp"
 
-#include <algorithm>
+#include <optional>
 #include <set>
 
 #include "annotated_list.hpp"

@@ -19,8 +19,6 @@ namespace {
 // which reaches far, to fine, which is exact.
 constexpr std::array<float, 9> kSegments{4, 4, 4, 3, 2, 2, 1, 1, 1};
 constexpr double kStep_m = 0.00075;
-// A line has so many segments on either side.
-constexpr int kLineHalf = 7;
 // What is visible changes little from step to step: it is looked at anew after so many.
 constexpr std::size_t kChosenFor = 4;
 
@@ -28,7 +26,7 @@ constexpr std::size_t kChosenFor = 4;
 std::size_t first_iteration(double reach_m) {
   std::size_t first = 0;
   for (std::size_t i = 1; i < kSegments.size() && kSegments[i] > 1; ++i)
-    if (kLineHalf * kSegments[i] * kStep_m >= reach_m) first = i;
+    if (BoundaryLine::kHalf * kSegments[i] * kStep_m >= reach_m) first = i;
   return first;
 }
 // Neighbouring lines see the same light, the same wrong figure: so much of one's say is its own.
@@ -174,7 +172,6 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
   impl_->colors.fade(keep);
   const float margin = std::max(1.0f, static_cast<float>(silhouette.to_px(margin_m)));
   const float step = std::max(1.0f, static_cast<float>(silhouette.to_px(kStep_m)));
-  const float apart = step;  // neighbours on a line are of one colour
   for (int i = 0; i < count; ++i) {
     const OutlineAnchor& anchor = impl_->anchors[i];
     OutlinePlace place = silhouette.place(anchor);
@@ -187,9 +184,9 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
                               static_cast<float>(silhouette.to_px(kLearnInside_m))),
                 out = std::min(anchor.outside_px,
                                static_cast<float>(silhouette.to_px(kLearnOutside_m)));
-    for (float r = margin; r < in; r += apart)
+    for (float r = margin; r < in; r += step)
       if (const auto pixel = line.pixel(-r)) impl_->colors.add(finger, pixel->bin, true);
-    for (float r = margin; r < out; r += apart)
+    for (float r = margin; r < out; r += step)
       if (const auto pixel = line.pixel(r)) impl_->colors.add(finger, pixel->bin, false);
   }
   impl_->colors.finish();

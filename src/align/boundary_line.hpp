@@ -22,6 +22,8 @@ struct Boundary {
 /// A line across the figure's outline, along its normal.
 class BoundaryLine {
  public:
+  static constexpr int kHalf = 7;  ///< segments on each side
+
   BoundaryLine(const PixelReader& reader, const HandView& view, const OutlinePlace& place,
                float segment_px, float inside_px, float outside_px) noexcept;
 
@@ -36,7 +38,7 @@ class BoundaryLine {
   Boundary find(const OutlineColors& colors, int part, bool edges) const noexcept;
 
  private:
-  static constexpr int kHalf = 7, kSegments = 2 * kHalf;  ///< segments on each side
+  static constexpr int kSegments = 2 * kHalf;
   static constexpr int kPlaces = kSegments - 1;  ///< where the boundary may lie: between segments
   static constexpr int kMostReads = 2 * kSegments;  ///< pixels
 

@@ -13,36 +13,15 @@ from network import Finder
 
 
 def blocks(net):
-    """(weights [..., outputs], biases) in the order in which src/find/network.cpp reads them."""
-    def folded(conv, norm):
+    """(weights [..., outputs], biases) of each convolution, its normalisation folded in."""
+    for conv, norm in net.convolutions():
         w = conv.weight.detach().numpy()
         if norm is None:
-            return w, conv.bias.detach().numpy()
-        k = (norm.weight / torch.sqrt(norm.running_var + norm.eps)).detach().numpy()
-        return w * k[:, None, None, None], (norm.bias - norm.running_mean * torch.from_numpy(k)).detach().numpy()
-
-    def plain(conv, norm):  # outputs last
-        w, b = folded(conv, norm)
-        return np.transpose(w, (2, 3, 1, 0)).reshape(-1, w.shape[0]), b
-
-    def separable(s):
-        w, b = folded(s.depth, s.depth_norm)
-        return [(np.transpose(w[:, 0], (1, 2, 0)).reshape(-1, w.shape[0]), b), plain(s.point, s.point_norm)]
-
-    out = [plain(net.stem, net.stem_norm)]
-    out += separable(net.down1) + separable(net.at1) + separable(net.down2)
-    for s in net.at2:
-        out += separable(s)
-    out += separable(net.down3)
-    for s in net.at3:
-        out += separable(s)
-    out.append(plain(net.up2, None))
-    out += separable(net.join2)
-    out.append(plain(net.up1, None))
-    for s in net.join1:
-        out += separable(s)
-    out.append(plain(net.head, None))
-    return out
+            b = conv.bias.detach().numpy()
+        else:
+            k = (norm.weight / torch.sqrt(norm.running_var + norm.eps)).detach().numpy()
+            w, b = w * k[:, None, None, None], (norm.bias - norm.running_mean * torch.from_numpy(k)).detach().numpy()
+        yield np.transpose(w, (2, 3, 1, 0)).reshape(-1, w.shape[0]), b
 
 
 def quantised(w):

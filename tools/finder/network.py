@@ -64,6 +64,17 @@ class Finder(nn.Module):
         y1 = self.join1(x1 + F.interpolate(self.up1(y2), scale_factor=2))
         return self.head(y1)
 
+    def convolutions(self):
+        """(convolution, its normalisation or None) in the order in which src/find/network.cpp reads them."""
+        separable = lambda s: [(s.depth, s.depth_norm), (s.point, s.point_norm)]
+        out = [(self.stem, self.stem_norm)]
+        for s in (self.down1, self.at1, self.down2, *self.at2, self.down3, *self.at3):
+            out += separable(s)
+        out += [(self.up2, None)] + separable(self.join2) + [(self.up1, None)]
+        for s in self.join1:
+            out += separable(s)
+        return out + [(self.head, None)]
+
 
 if __name__ == '__main__':
     net = Finder()

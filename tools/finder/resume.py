@@ -29,21 +29,6 @@ def read_blocks(path):
         weights, scales = weights[size:], scales[2 * outputs:]
 
 
-def convolutions(net):
-    """(convolution, its normalisation or None) in the order of export.py."""
-    separable = lambda s: [(s.depth, s.depth_norm), (s.point, s.point_norm)]
-    out = [(net.stem, net.stem_norm)] + separable(net.down1) + separable(net.at1) + separable(net.down2)
-    for s in net.at2:
-        out += separable(s)
-    out += separable(net.down3)
-    for s in net.at3:
-        out += separable(s)
-    out += [(net.up2, None)] + separable(net.join2) + [(net.up1, None)]
-    for s in net.join1:
-        out += separable(s)
-    return out + [(net.head, None)]
-
-
 def main():
     ap = argparse.ArgumentParser()
     ap.add_argument('source')
@@ -52,7 +37,7 @@ def main():
     ap.add_argument('--names', nargs='+', default=['hands'])
     a = ap.parse_args()
     net, moments = Finder().eval(), {}
-    for (conv, norm), (w, b) in zip(convolutions(net), read_blocks(a.source)):
+    for (conv, norm), (w, b) in zip(net.convolutions(), read_blocks(a.source)):
         n_out, n_in, h, v = conv.weight.shape
         w = w.reshape(h, v, n_in, n_out).transpose(3, 2, 0, 1)
         conv.weight.data = torch.tensor(np.ascontiguousarray(w), dtype=torch.float32)
@@ -74,7 +59,7 @@ def main():
             norm.weight.copy_(torch.sqrt(variance + norm.eps))
             norm.running_mean.copy_(mean)
             norm.running_var.copy_(variance)
-        for conv, _ in convolutions(net):
+        for conv, _ in net.convolutions():
             conv._forward_hooks.clear()
         print('largest change of an output:', (net(as_input(pictures[:8])) - before).abs().max().item())
     torch.save(net.state_dict(), a.out)

@@ -58,7 +58,8 @@ Eigen::Isometry3d T_true_model(const Truth& truth, const HandModel& hand);
 /// one, fingertips about their mean; 1 for a measured hand.
 double scale_to_truth(const Truth& truth, const HandModel& hand);
 
-/// Errors of a track, as the hand came to be known, one a frame of the track; frames that truth does not know are left empty.
+/// Errors of a track, as the hand came to be known, one a frame of the track; frames that truth does
+/// not know are left empty.
 std::vector<FrameError> compare(const Truth& truth, const HandModel& hand,
                                 std::span<const TrackResult> track);
 
