@@ -165,10 +165,46 @@ TEST(Accuracy, AFrameIsWrongWhenATipIsFarOffOrMissing) {
   EXPECT_EQ(summarize(errors).wrong, 2);
 }
 
+TEST(Accuracy, ASecondHandIsNeitherRightNorWrong) {
+  Truth truth = make_truth(60);
+  for (TruthFrame& f : truth.frames) {
+    f.other_tips_px.emplace(f.tips_px);
+    for (Eigen::Vector2d& tip : *f.other_tips_px) tip.x() += 2 * f.span_px();
+  }
+  std::vector<TrackResult> track = exact_track(truth);
+  for (std::size_t i = 40; i < 43; ++i) {
+    track[i].pose->T_camera_hand.translation().x() += 0.2;
+    for (std::size_t k = 0; k < kFingerCount; ++k)
+      track[i].tips[k].px = (*truth.frames[i].other_tips_px)[k];
+  }
+  const std::vector<FrameError> errors = compare(truth, truth.hand, track);
+  EXPECT_TRUE(errors[39].right());
+  EXPECT_FALSE(errors[40].right());
+  EXPECT_FALSE(errors[40].wrong);
+  const Accuracy a = summarize(errors);
+  EXPECT_EQ(a.on_other_hand, 3);
+  EXPECT_EQ(a.wrong, 0);
+  EXPECT_LT(a.translation_mm.max, 1e-3) << "the pose of the other hand is not compared";
+}
+
+TEST(Accuracy, FingersAreComparedWhereTheyLive) {
+  Truth truth = make_truth(60);
+  std::vector<TrackResult> track = exact_track(truth);
+  EXPECT_EQ(summarize(compare(truth, truth.hand, track)).abduction_deg.n, 0);
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    truth.frames[i].fingers.emplace();
+    (*truth.frames[i].fingers)[1] = {-3, 10};
+    track[i].fingers[1] = {2 * kRadians, 0, 5 * kRadians, 0};
+  }
+  const Accuracy a = summarize(compare(truth, truth.hand, track));
+  EXPECT_NEAR(a.abduction_deg.median, 1, 1e-9);
+  EXPECT_NEAR(a.flexion_deg.median, 1, 1e-9);
+}
+
 TEST(Accuracy, TimeIsGivenAfterTheTipsWereHidden) {
   Truth truth = make_truth(100);
   for (std::size_t i = 50; i < 60; ++i) truth.frames[i].all_tips_visible = false;
-  for (std::size_t i = 52; i < 55; ++i) truth.frames[i].hand_absent = true;
+  for (std::size_t i = 52; i < 55; ++i) truth.frames[i].no_open_hand = true;
   const std::vector<FrameError> errors = compare(truth, truth.hand, exact_track(truth));
   EXPECT_TRUE(errors[49].eligible);
   EXPECT_FALSE(errors[55].eligible);

@@ -38,11 +38,17 @@ Eigen::Isometry3d turned_about_y() {
   return T;
 }
 
-void compare_tips(const TruthFrame& truth, const TrackResult& result, FrameError& e) {
-  for (std::size_t i = 0; i < kFingerCount; ++i) {
-    if (result.tips[i].known()) e.tip_px[i] = (result.tips[i].px - truth.tips_px[i]).norm();
-    if (!(e.tip_px[i] <= kWrongOfSpan * e.span_px)) e.wrong = true;  // also when it is not known
+void compare_fingers(const TruthFrame& truth, const TrackResult& result, FrameError& e) {
+  if (!truth.fingers) return;
+  e.abduction_deg = e.flexion_deg = 0;
+  for (std::size_t f = 0; f < kFingerCount; ++f) {
+    const FingerState& finger = result.fingers[f];
+    const TrueFinger& exact = (*truth.fingers)[f];
+    e.abduction_deg += std::abs(finger.abduction_rad * kDegrees - exact.abduction_deg);
+    e.flexion_deg += std::abs(finger.flexion_rad * kDegrees - exact.flexion_deg);
   }
+  e.abduction_deg /= kFingerCount;
+  e.flexion_deg /= kFingerCount;
 }
 
 class Comparison {
@@ -54,15 +60,18 @@ class Comparison {
 
   FrameError operator()(const TruthFrame& f, const TrackResult& r) const {
     FrameError e;
-    e.hand_absent = f.hand_absent;
+    e.no_open_hand = f.no_open_hand;
     e.visible = f.all_tips_visible;
     e.tracked = r.state == State::tracking;
     e.layout_right = r.layout == f.layout;
-    e.span_px = f.span_px();
     e.tilt_deg = f.tilt_rad() * kDegrees;
     e.distance_mm = f.distance_m() * kMillimetres;
     if (!e.tracked) return e;
-    compare_tips(f, r, e);
+    e.tips = tip_errors(r.tips, f.tips_px);
+    e.on_other_hand = !e.tips.right() && f.other_tips_px &&
+                      tip_errors(r.tips, *f.other_tips_px).right();
+    e.wrong = !e.tips.right() && !e.on_other_hand;
+    compare_fingers(f, r, e);
     const Eigen::Isometry3d turn = f.other_face ? turned_about_y() : Eigen::Isometry3d::Identity();
     const Eigen::Isometry3d T_model_hand = turn * T_model_true_ * turn.inverse();
     if (r.raw_pose) {
@@ -128,6 +137,19 @@ double share_within(double limit, std::span<const FrameError> errors,
 
 }  // namespace
 
+TipErrors tip_errors(const std::array<Tip, kFingerCount>& tips, const TipsPx& truth_px) {
+  TipErrors e;
+  e.span_px = (truth_px.front() - truth_px.back()).norm();
+  for (std::size_t f = 0; f < kFingerCount; ++f)
+    if (tips[f].known()) e.px[f] = (tips[f].px - truth_px[f]).norm();
+  return e;
+}
+
+bool TipErrors::right() const {
+  return std::all_of(px.begin(), px.end(),
+                     [this](double error_px) { return error_px <= kWrongOfSpan * span_px; });
+}
+
 Eigen::Isometry3d T_true_model(const Truth& truth, const HandModel& hand) {
   if (hand.source == HandSource::truth) return Eigen::Isometry3d::Identity();
   const Eigen::Matrix3Xd tips_m =
@@ -162,22 +184,23 @@ Accuracy summarize(std::span<const FrameError> errors) {
   std::vector<double> tip_px, tip_of_span;
   for (const FrameError& e : errors) {
     ++a.frames;
-    a.hand_absent += e.hand_absent;
-    a.falsely_tracked += e.hand_absent && e.tracked;
+    a.no_open_hand += e.no_open_hand;
+    a.falsely_tracked += e.no_open_hand && e.tracked && !e.on_other_hand;
     a.eligible += e.eligible;
     a.tracked += e.eligible && e.tracked;
+    a.on_other_hand += e.eligible && e.on_other_hand;
     a.wrong += e.eligible && e.wrong;
     a.layout_wrong += e.eligible && e.tracked && !e.layout_right;
     if (!e.counted()) continue;
-    for (double px : e.tip_px) {
+    for (double px : e.tips.px) {
       tip_px.push_back(px);
-      tip_of_span.push_back(px / e.span_px);
+      tip_of_span.push_back(px / e.tips.span_px);
     }
   }
   a.tip_px = summarize(tip_px);
   a.tip_of_span = summarize(tip_of_span);
   for (std::size_t i = 0; i < kFingerCount; ++i)
-    a.finger_px[i] = summarize_counted(errors, [i](const auto& e) { return e.tip_px[i]; });
+    a.finger_px[i] = summarize_counted(errors, [i](const auto& e) { return e.tips.px[i]; });
   const auto over = [&](auto value) { return summarize_counted(errors, value); };
   a.rotation_deg = over([](const FrameError& e) { return e.filtered.rotation_deg; });
   a.rotation_raw_deg = over([](const FrameError& e) { return e.raw.rotation_deg; });
@@ -186,6 +209,8 @@ Accuracy summarize(std::span<const FrameError> errors) {
   a.translation_percent = over([](const FrameError& e) { return e.filtered.translation_percent; });
   a.board_px = over([](const FrameError& e) { return e.board_filtered_px; });
   a.board_raw_px = over([](const FrameError& e) { return e.board_raw_px; });
+  a.abduction_deg = over([](const FrameError& e) { return e.abduction_deg; });
+  a.flexion_deg = over([](const FrameError& e) { return e.flexion_deg; });
   a.nees = over([](const FrameError& e) { return e.filtered.nees; });
   a.nees_raw = over([](const FrameError& e) { return e.raw.nees; });
   const auto share = [&](double limit, auto value) { return share_within(limit, errors, value); };

@@ -151,7 +151,8 @@ ErrorColumns error_columns(const Analysis& a) {
   };
   add_list("time_s", a.recording.time_s);
   add_error("eligible", [](const FrameError& e) { return e.eligible; });
-  add_error("hand_absent", [](const FrameError& e) { return e.hand_absent; });
+  add_error("no_open_hand", [](const FrameError& e) { return e.no_open_hand; });
+  add_error("on_other_hand", [](const FrameError& e) { return e.on_other_hand; });
   add_error("wrong", [](const FrameError& e) { return e.wrong; });
   add_list("board_raw_px", main.raw.blocks_px);
   add_list("board_filtered_px", main.filtered.blocks_px);
@@ -166,12 +167,14 @@ ErrorColumns error_columns(const Analysis& a) {
   add_list("board_exact_filtered_px", main.filtered.exact_px);
   for (std::size_t f = 0; f < kFingerCount; ++f)
     add_error(std::string(kFingerNames[f]) + "_px",
-              [f](const FrameError& e) { return e.tip_px[f]; });
-  add_error("span_px", [](const FrameError& e) { return e.span_px; });
+              [f](const FrameError& e) { return e.tips.px[f]; });
+  add_error("span_px", [](const FrameError& e) { return e.tips.span_px; });
   add_error("rotation_raw_deg", [](const FrameError& e) { return e.raw.rotation_deg; });
   add_error("rotation_deg", [](const FrameError& e) { return e.filtered.rotation_deg; });
   add_error("translation_raw_mm", [](const FrameError& e) { return e.raw.translation_mm; });
   add_error("translation_mm", [](const FrameError& e) { return e.filtered.translation_mm; });
+  add_error("abduction_deg", [](const FrameError& e) { return e.abduction_deg; });
+  add_error("flexion_deg", [](const FrameError& e) { return e.flexion_deg; });
   add_error("nees_raw", [](const FrameError& e) { return e.raw.nees; });
   add_error("nees", [](const FrameError& e) { return e.filtered.nees; });
   add_error("tilt_deg", [](const FrameError& e) { return e.tilt_deg; });

@@ -32,6 +32,8 @@ constexpr Column kColumns[] = {
      [](const auto& f) { return f.translation_percent.median; }},
     {"fingertips, median of the span", "%", 1, true,
      [](const auto& f) { return percent(f.tip_of_span.median); }},
+    {"fingers, abduction", "deg", 1, true, [](const auto& f) { return f.abduction_deg.median; }},
+    {"fingers, flexion", "deg", 1, true, [](const auto& f) { return f.flexion_deg.median; }},
     {"palm within 8 px", "%", 1, false, [](const auto& f) { return percent(f.palm_within_8px); }},
     {"within the 95 % bound", "%", 1, false,
      [](const auto& f) { return percent(f.nees_within_95); }},
@@ -61,11 +63,12 @@ std::string row(const Column& c, const Figures& figures) {
 }
 
 std::string group_table(const std::string& group, const Figures& figures) {
-  int open = 0, right = 0, wrong = 0, handless = 0, falsely = 0, changes = 0;
+  int open = 0, right = 0, wrong = 0, other = 0, handless = 0, falsely = 0, changes = 0;
   for (const FootageFigures* f : figures) {
     open += f->open_frames;
     right += f->right;
     wrong += f->wrong;
+    other += f->on_other_hand;
     handless += f->handless_frames;
     falsely += f->falsely_tracked;
     changes += f->state_changes;
@@ -73,7 +76,8 @@ std::string group_table(const std::string& group, const Figures& figures) {
   std::string text = "## " + group + "\n\n" + std::to_string(figures.size()) + " sequences. Of " +
                      std::to_string(open) + " frames with an open hand in view, " +
                      std::to_string(right) + " rightly and " + std::to_string(wrong) +
-                     " wrongly tracked; " + std::to_string(changes) +
+                     " wrongly tracked, " + std::to_string(other) +
+                     " on a second hand; " + std::to_string(changes) +
                      " changes of state between them. Of " + std::to_string(handless) +
                      " frames without an outstretched hand, " + std::to_string(falsely) +
                      " tracked.\n\n| over sequences | median | worst tenth | worst |\n"
@@ -95,15 +99,15 @@ bool is_worse(const FootageFigures& a, const FootageFigures& b) {
 
 std::string sequences_csv(const std::vector<FootageFigures>& figures) {
   std::string text =
-      "group,sequence,frames,open_frames,right,wrong,handless_frames,falsely_tracked,"
+      "group,sequence,frames,open_frames,right,wrong,on_other_hand,handless_frames,falsely_tracked,"
       "state_changes";
   for (const Column& c : kColumns)
     text += "," + csv_field(std::string(c.name) + " (" + c.unit + ")");
   text += "\n";
   for (const FootageFigures& f : figures) {
     text += csv_field(f.group) + "," + csv_field(f.name);
-    for (const int n : {f.frames, f.open_frames, f.right, f.wrong, f.handless_frames,
-                        f.falsely_tracked, f.state_changes})
+    for (const int n : {f.frames, f.open_frames, f.right, f.wrong, f.on_other_hand,
+                        f.handless_frames, f.falsely_tracked, f.state_changes})
       text += "," + std::to_string(n);
     for (const Column& c : kColumns) text += "," + csv_number(c.value(f));
     text += "\n";

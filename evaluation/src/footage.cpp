@@ -42,29 +42,17 @@ std::vector<Footage> read_clips(const fs::path& list, const std::string& group,
   return all;
 }
 
-/// Whether all tips are known and near enough.
-bool is_right(const TrackResult& r, const std::array<Eigen::Vector2d, kFingerCount>& tips_px,
-              std::vector<double>& of_span) {
-  const double span_px = (tips_px.front() - tips_px.back()).norm();
-  std::array<double, kFingerCount> errors;
-  for (std::size_t f = 0; f < kFingerCount; ++f) {
-    errors[f] = r.tips[f].known() ? (r.tips[f].px - tips_px[f]).norm() / span_px : kUnknown;
-    if (!(errors[f] <= kWrongOfSpan)) return false;
-  }
-  of_span.insert(of_span.end(), errors.begin(), errors.end());
-  return true;
-}
-
 /// Counts frame by frame what became of the open ones.
 class Counter {
  public:
   explicit Counter(FootageFigures& figures) : figures_(figures) {}
 
-  void add(const TrackResult& r, bool open, bool right) {
+  void add(const TrackResult& r, bool open, bool right, bool on_other_hand) {
     const bool tracked = r.state == State::tracking;
     figures_.open_frames += open;
     figures_.right += open && tracked && right;
-    figures_.wrong += open && tracked && !right;
+    figures_.on_other_hand += open && on_other_hand;
+    figures_.wrong += open && tracked && !right && !on_other_hand;
     figures_.state_changes += open && previous_ && *previous_ != r.state;
     previous_ = open ? std::optional(r.state) : std::nullopt;
     (tracked ? tracking_ms_ : searching_ms_).push_back(r.times.total_ms);
@@ -85,14 +73,17 @@ void measure_rendered(const Analysis& a, FootageFigures& f) {
   const std::vector<FrameError>& errors = a.main_track().errors;
   Counter counter(f);
   for (std::size_t i = 0; i < errors.size(); ++i)
-    counter.add(a.recording.main_track().results[i], errors[i].eligible, !errors[i].wrong);
+    counter.add(a.recording.main_track().results[i], errors[i].eligible, errors[i].right(),
+                errors[i].on_other_hand);
   counter.finish();
   const Accuracy all = summarize(errors);
-  f.handless_frames = all.hand_absent;
+  f.handless_frames = all.no_open_hand;
   f.falsely_tracked = all.falsely_tracked;
   f.rotation_deg = all.rotation_deg;
   f.translation_percent = all.translation_percent;
   f.tip_of_span = all.tip_of_span;
+  f.abduction_deg = all.abduction_deg;
+  f.flexion_deg = all.flexion_deg;
   f.palm_within_8px = all.palm_within_8px;
   f.nees_within_95 = all.nees_within_95;
 }
@@ -106,7 +97,10 @@ void measure_clip(const Footage& footage, const Analysis& a, FootageFigures& f) 
     const auto tips = footage.open_tips_px.find(int(a.recording.frame_index[i]));
     seen = tips == footage.open_tips_px.end() ? 0 : seen + 1;
     const bool open = seen > kRegainFrames;
-    counter.add(results[i], open, open && is_right(results[i], tips->second, of_span));
+    const TipErrors errors = open ? tip_errors(results[i].tips, tips->second) : TipErrors{};
+    counter.add(results[i], open, errors.right(), false);
+    if (errors.right())
+      for (const double px : errors.px) of_span.push_back(px / errors.span_px);
     tracked += results[i].state == State::tracking;
   }
   counter.finish();

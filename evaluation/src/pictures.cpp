@@ -22,7 +22,7 @@ constexpr int kSubPixelBits = 4;
 
 double largest(const FrameError& e) {
   double most = 0;
-  for (const double px : e.tip_px)
+  for (const double px : e.tips.px)
     if (std::isfinite(px)) most = std::max(most, px);
   return most;
 }
@@ -36,7 +36,7 @@ double badness(const Analysis& a, std::size_t i) {
   }
   const FrameError& e = a.main_track().errors[i];
   const double size = std::tanh(largest(e) / 100);
-  if (e.hand_absent && e.tracked) return 4;
+  if (e.no_open_hand && e.tracked) return 4;
   if (e.eligible && e.wrong) return 3 + size;
   if (e.eligible && !e.tracked) return 2;
   return e.counted() ? size : 0;
@@ -49,8 +49,11 @@ std::string caption(const Analysis& a, std::size_t i) {
   char more[96] = "";
   if (a.has_truth() && a.main_track().errors[i].tracked) {
     const FrameError& e = a.main_track().errors[i];
-    text += e.hand_absent ? ", but no hand is there" : e.wrong ? ", wrong" : "";
-    if (!e.hand_absent)
+    text += e.no_open_hand    ? ", but no open hand is there"
+            : e.on_other_hand ? ", the other hand"
+            : e.wrong         ? ", wrong"
+                              : "";
+    if (!e.no_open_hand)
       std::snprintf(more, sizeof more, ", tips off by up to %.1f px, pose by %.1f°, %.1f mm",
                     largest(e), e.filtered.rotation_deg, e.filtered.translation_mm);
   } else if (a.has_truth() && a.main_track().errors[i].eligible) {

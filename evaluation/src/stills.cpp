@@ -23,8 +23,6 @@ constexpr int kWidth_px = 640, kHeight_px = 480, kFrames = 25;
 constexpr double kFramesPerSecond = 30;
 constexpr double kNoiseSigma = 2.3;  ///< grey levels: a good camera indoors
 
-using Tips = std::array<Eigen::Vector2d, kFingerCount>;
-
 Still read_still(const AnnotatedList& list, const AnnotatedList::Row& row) {
   Still s;
   s.file = list.field(row, "file");
@@ -73,10 +71,10 @@ Letterbox letterbox(const Still& still) {
 }
 
 /// The last five tips that the tracker gives on the held picture.
-std::optional<Tips> hold_and_track(const cv::Mat& still, const Config& config, cv::RNG& random) {
+std::optional<std::array<Tip, kFingerCount>> hold_and_track(const cv::Mat& still, const Config& config, cv::RNG& random) {
   HandTracker tracker(Camera::from_field_of_view(kWidth_px, kHeight_px), average_adult_hand(),
                       config);
-  std::optional<Tips> found;
+  std::optional<std::array<Tip, kFingerCount>> found;
   cv::Mat noise(still.size(), CV_16SC3), frame;
   for (int i = 0; i < kFrames; ++i) {
     random.fill(noise, cv::RNG::NORMAL, 0, kNoiseSigma);
@@ -85,9 +83,8 @@ std::optional<Tips> hold_and_track(const cv::Mat& still, const Config& config, c
                          PixelFormat::bgr};
     const TrackResult r = tracker.process(view, i / kFramesPerSecond);
     if (r.state != State::acquiring && r.state != State::tracking) continue;
-    if (!std::all_of(r.tips.begin(), r.tips.end(), [](const Tip& t) { return t.seen; })) continue;
-    Tips& tips = found.emplace();
-    for (std::size_t k = 0; k < tips.size(); ++k) tips[k] = r.tips[k].px;
+    if (std::all_of(r.tips.begin(), r.tips.end(), [](const Tip& t) { return t.seen; }))
+      found = r.tips;
   }
   return found;
 }
@@ -100,19 +97,18 @@ StillResult judge(const Still& still, const Config& config, std::uint64_t seed) 
   result.skin_tone = still.skin_tone;
 
   const Letterbox box = letterbox(still);
-  Tips truth;
-  for (std::size_t i = 0; i < truth.size(); ++i)
-    truth[i] = {still.tips_px[i].x() * box.scale_x + box.left_px,
-                still.tips_px[i].y() * box.scale_y + box.top_px};
+  TipsPx truth_px;
+  for (std::size_t i = 0; i < truth_px.size(); ++i)
+    truth_px[i] = {still.tips_px[i].x() * box.scale_x + box.left_px,
+                   still.tips_px[i].y() * box.scale_y + box.top_px};
   cv::RNG random(seed);
-  const std::optional<Tips> tips = hold_and_track(box.frame, config, random);
+  const auto tips = hold_and_track(box.frame, config, random);
   if (!tips) return result;
-  const double span_px = (truth[0] - truth[4]).norm();
-  for (std::size_t i = 0; i < truth.size(); ++i)
-    result.of_span.push_back(((*tips)[i] - truth[i]).norm() / span_px);
+  const TipErrors errors = tip_errors(*tips, truth_px);
+  for (const double px : errors.px) result.of_span.push_back(px / errors.span_px);
   result.largest_of_span = *std::max_element(result.of_span.begin(), result.of_span.end());
-  result.outcome = result.largest_of_span > kWrongOfSpan ? StillResult::Outcome::wrong
-                                                         : StillResult::Outcome::right;
+  result.outcome =
+      errors.right() ? StillResult::Outcome::right : StillResult::Outcome::wrong;
   return result;
 }
 

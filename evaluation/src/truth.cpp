@@ -17,6 +17,7 @@ using nlohmann::json;
 
 constexpr double kMetresPerMillimetre = 1e-3;
 constexpr double kOutstretchedFold = 0.02;  ///< fingers folded less than this count as outstretched
+constexpr double kFoldedFold = 0.97;        ///< fingers folded more than this: a fist or a four
 constexpr double kAbsentFraction = 0.05;    ///< less of the hand than this in view: it is absent
 
 template <int Rows, int Columns>
@@ -86,10 +87,26 @@ HandModel hand(const json& j) {
 }
 
 /// On which side the thumb is in the picture, the fingers taken as up (y points down there).
-Layout layout_in_picture(const std::array<Eigen::Vector2d, kFingerCount>& tips) {
+Layout layout_in_picture(const TipsPx& tips) {
   const Eigen::Vector2d up = tips[2] - (tips[0] + tips[4]) / 2, to_thumb = tips[0] - tips[4];
   return up.x() * to_thumb.y() - up.y() * to_thumb.x() > 0 ? Layout::thumb_right
                                                            : Layout::thumb_left;
+}
+
+TipsPx tips_px(const json& j) {
+  TipsPx tips;
+  for (std::size_t finger = 0; finger < tips.size(); ++finger)
+    tips[finger] = matrix<2, 1>(j.at("tips_px").at(finger));
+  return tips;
+}
+
+std::array<TrueFinger, kFingerCount> fingers(const json& j) {
+  const auto abduction_deg = matrix<kFingerCount, 1>(j.at("abduction_deg"));
+  const auto flexion_deg = matrix<kFingerCount, 1>(j.at("flexion_mcp_deg"));
+  std::array<TrueFinger, kFingerCount> f;
+  for (int finger = 0; finger < kFingerCount; ++finger)
+    f[std::size_t(finger)] = {abduction_deg[finger], flexion_deg[finger]};
+  return f;
 }
 
 TruthFrame frame(const json& j) {
@@ -99,13 +116,16 @@ TruthFrame frame(const json& j) {
   // The file keeps one frame for both faces; handyar's has +z towards the camera.
   f.other_face = f.T_camera_hand.linear().col(2).dot(f.T_camera_hand.translation()) > 0;
   if (f.other_face) f.T_camera_hand.linear() *= Eigen::Vector3d(-1, 1, -1).asDiagonal();
-  f.all_tips_visible = j.value("fold", 0.0) < kOutstretchedFold;
-  for (int finger = 0; finger < kFingerCount; ++finger) {
-    f.tips_px[std::size_t(finger)] = matrix<2, 1>(j.at("tips_px").at(finger));
+  const double fold = j.value("fold", 0.0);
+  f.tips_px = tips_px(j);
+  f.all_tips_visible = fold < kOutstretchedFold;
+  for (int finger = 0; finger < kFingerCount; ++finger)
     f.all_tips_visible &= j.at("tip_visible").at(finger).get<bool>();
-  }
   f.layout = layout_in_picture(f.tips_px);
-  f.hand_absent = j.value("hand_visible_fraction", 1.0) < kAbsentFraction;
+  f.no_open_hand =
+      fold > kFoldedFold || j.value("hand_visible_fraction", 1.0) < kAbsentFraction;
+  if (j.contains("other_hand")) f.other_tips_px = tips_px(j["other_hand"]);
+  if (j.contains("finger_delta")) f.fingers = fingers(j["finger_delta"]);
   return f;
 }
 

@@ -90,6 +90,10 @@ Table accuracy_table(const Analysis& a) {
   }
   add_summary(t, "middle of the palm, filtered", s.palm_px, "px");
   t.add("middle of the palm, filtered", "within 8 px", 100 * s.palm_within_8px, "%");
+  if (s.abduction_deg.n > 0) {
+    add_summary(t, "fingers, abduction", s.abduction_deg, "°");
+    add_summary(t, "fingers, flexion", s.flexion_deg, "°");
+  }
   add_summary(t, "consistency, filtered", s.nees, "");
   t.add("consistency, filtered", "below 12.59", 100 * s.nees_within_95, "%");
   add_summary(t, "consistency, raw", s.nees_raw, "");
@@ -102,7 +106,7 @@ Table tracking_table(const Analysis& a) {
           a.recording.sequence.name,
           "Tracking",
           "Wrong: of the tracked frames. Other face: back taken for palm or the reverse. Falsely "
-          "tracked: while less than a twentieth of the hand is in the picture.",
+          "tracked: while no open hand is in the picture, or less than a twentieth of it.",
           {}};
   if (!a.has_truth()) return t;
   const Accuracy acc = summarize(a.main_track().errors);
@@ -112,7 +116,8 @@ Table tracking_table(const Analysis& a) {
   t.add(row, "tracked", acc.tracked_percent(), "%");
   t.add(row, "wrong", acc.wrong_percent(), "%");
   t.add(row, "other face", acc.layout_wrong, "frames");
-  t.add(row, "hand absent", acc.hand_absent, "frames");
+  t.add(row, "on the other hand", acc.on_other_hand, "frames");
+  t.add(row, "no open hand", acc.no_open_hand, "frames");
   t.add(row, "falsely tracked", acc.falsely_tracked, "frames");
   return t;
 }

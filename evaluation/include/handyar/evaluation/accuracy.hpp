@@ -21,6 +21,17 @@ inline constexpr double kWrongOfSpan = 0.2;
 inline constexpr int kWarmUpFrames = 25;  ///< given for acquisition at a sequence's beginning
 inline constexpr int kRegainFrames = 12;  ///< given (0.4 s) after the five tips came into view
 
+/// Tracked fingertips against the true ones.
+struct TipErrors {
+  std::array<double, kFingerCount> px = {kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};
+  double span_px = kUnknown;  ///< from the true thumb tip to the true little one
+
+  /// Whether all five are known and none is off by over kWrongOfSpan.
+  bool right() const;
+};
+
+TipErrors tip_errors(const std::array<Tip, kFingerCount>& tips, const TipsPx& truth_px);
+
 /// A pose against the true one; NaN where there is no pose.
 struct PoseError {
   double rotation_deg = kUnknown;
@@ -34,20 +45,24 @@ struct PoseError {
 /// One frame of a track against truth.
 struct FrameError {
   bool eligible = false;  ///< the five tips are visible and were so long enough to be found
-  bool hand_absent = false;
+  bool no_open_hand = false;
   bool visible = false;  ///< the five tips are visible now
   bool tracked = false;  ///< state `tracking`
-  bool wrong = false;    ///< tracked, but a tip is off by over kWrongOfSpan
+  bool on_other_hand = false;  ///< tracked, and rightly so, is a second hand
+  bool wrong = false;          ///< tracked, but neither hand rightly
   bool layout_right = false;
-  std::array<double, kFingerCount> tip_px = {kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};
-  double span_px = kUnknown, tilt_deg = kUnknown, distance_mm = kUnknown;
+  TipErrors tips;
+  double tilt_deg = kUnknown, distance_mm = kUnknown;
   PoseError raw, filtered;
   double board_raw_px = kUnknown;  ///< rms at the board's corners, hand-to-board known from truth
   double board_filtered_px = kUnknown;
   double palm_px = kUnknown;  ///< of the middle of the palm, by the filtered pose
+  /// Mean over the fingers, where they live.
+  double abduction_deg = kUnknown, flexion_deg = kUnknown;
 
-  /// Whether the frame's errors count: tracked when it should be, and not wrong.
-  bool counted() const { return eligible && tracked && !wrong; }
+  bool right() const { return tracked && !wrong && !on_other_hand; }
+  /// Whether the frame's errors count: rightly tracked when it should be.
+  bool counted() const { return eligible && right(); }
 };
 
 /// Where the hand truly is, in the frame of the hand model that was used: a calibrated model's
@@ -66,11 +81,13 @@ std::vector<FrameError> compare(const Truth& truth, const HandModel& hand,
 /// What the errors of a sequence come to, over the frames that count.
 struct Accuracy {
   int frames = 0, eligible = 0, tracked = 0, wrong = 0, layout_wrong = 0;
-  int hand_absent = 0, falsely_tracked = 0;
+  int on_other_hand = 0;
+  int no_open_hand = 0, falsely_tracked = 0;
   Summary tip_px, tip_of_span;
   std::array<Summary, kFingerCount> finger_px;
   Summary rotation_deg, rotation_raw_deg, translation_mm, translation_raw_mm, translation_percent;
   Summary board_px, board_raw_px, palm_px;
+  Summary abduction_deg, flexion_deg;
   double palm_within_8px = kUnknown;  ///< share
   Summary nees, nees_raw;
   double nees_within_95 = kUnknown, nees_raw_within_95 = kUnknown;  ///< share; honest: 0.95

@@ -19,7 +19,7 @@ namespace handyar::evaluation {
 struct Footage {
   std::string group;  ///< the folder above, from the tree's root
   Sequence sequence;
-  std::map<int, std::array<Eigen::Vector2d, kFingerCount>> open_tips_px;  ///< by frame; of a clip
+  std::map<int, TipsPx> open_tips_px;  ///< by frame; of a clip
 };
 
 /// All of a tree, in the order of their paths. Throws io::Error, also when there is none.
@@ -31,9 +31,11 @@ std::vector<Footage> find_footage(const std::filesystem::path& tree,
 struct FootageFigures {
   std::string group, name;
   int frames = 0, open_frames = 0, right = 0, wrong = 0;
+  int on_other_hand = 0;                         ///< open frames in which a second hand is tracked
   int handless_frames = 0, falsely_tracked = 0;  ///< a clip that never shows an open hand: all
   int state_changes = 0;                         ///< between open frames
   Summary rotation_deg, translation_percent, tip_of_span;
+  Summary abduction_deg, flexion_deg;  ///< mean of the five fingers, where they live
   double palm_within_8px = kUnknown, nees_within_95 = kUnknown;  ///< shares
   double tracking_ms = kUnknown, searching_ms = kUnknown;        ///< medians
   std::string worst_caption;

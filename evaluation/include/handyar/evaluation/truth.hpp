@@ -16,15 +16,28 @@
 
 namespace handyar::evaluation {
 
-/// What is exactly known of one frame of a rendered sequence.
+using TipsPx = std::array<Eigen::Vector2d, kFingerCount>;  ///< in finger order
+
+/// How a finger truly stands against the neutral posture; signs as in FingerState.
+struct TrueFinger {
+  double abduction_deg = 0;
+  double flexion_deg = 0;  ///< at the knuckle
+};
+
+/// What is exactly known of one frame of a rendered sequence. With a rolling shutter the pose is
+/// that of the middle row, and each fingertip is where its own row saw it.
 struct TruthFrame {
   Eigen::Isometry3d T_camera_world = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();  ///< +z towards the camera
   bool other_face = false;  ///< the frame above was turned: the face that the model mirrors shows
   Layout layout = Layout::thumb_right;  ///< as seen in the picture
-  std::array<Eigen::Vector2d, kFingerCount> tips_px;
+  TipsPx tips_px;
   bool all_tips_visible = false;  ///< all five, none hidden or outside, the fingers outstretched
-  bool hand_absent = false;       ///< less than a twentieth of the hand is in the picture
+  /// Less than a twentieth of the hand is in the picture, or its fingers are folded, to a fist or a
+  /// four: nothing to be tracked.
+  bool no_open_hand = false;
+  std::optional<TipsPx> other_tips_px;  ///< of a second hand
+  std::optional<std::array<TrueFinger, kFingerCount>> fingers;  ///< where they live
 
   double span_px() const { return (tips_px[0] - tips_px[4]).norm(); }
   double distance_m() const { return T_camera_hand.translation().norm(); }
