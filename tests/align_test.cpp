@@ -26,7 +26,7 @@ struct Scene {
   }
 
   HandPrior prior(const HandState& around) const {
-    return prior_around(around, Person(estimate_figure(average_adult_hand())), {});
+    return prior_around(around, Person(estimate_figure(average_adult_hand())), kLongAgo_s, {});
   }
 
   Alignment align(const HandState& start) {

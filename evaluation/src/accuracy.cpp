@@ -68,8 +68,8 @@ class Comparison {
     e.distance_mm = f.distance_m() * kMillimetres;
     if (!e.tracked) return e;
     e.tips = tip_errors(r.tips, f.tips_px);
-    e.on_other_hand = !e.tips.right() && f.other_tips_px &&
-                      tip_errors(r.tips, *f.other_tips_px).right();
+    e.on_other_hand =
+        !e.tips.right() && f.other_tips_px && tip_errors(r.tips, *f.other_tips_px).right();
     e.wrong = !e.tips.right() && !e.on_other_hand;
     compare_fingers(f, r, e);
     const Eigen::Isometry3d turn = f.other_face ? turned_about_y() : Eigen::Isometry3d::Identity();

@@ -76,10 +76,10 @@ std::string group_table(const std::string& group, const Figures& figures) {
   std::string text = "## " + group + "\n\n" + std::to_string(figures.size()) + " sequences. Of " +
                      std::to_string(open) + " frames with an open hand in view, " +
                      std::to_string(right) + " rightly and " + std::to_string(wrong) +
-                     " wrongly tracked, " + std::to_string(other) +
-                     " on a second hand; " + std::to_string(changes) +
-                     " changes of state between them. Of " + std::to_string(handless) +
-                     " frames without an outstretched hand, " + std::to_string(falsely) +
+                     " wrongly tracked, " + std::to_string(other) + " on a second hand; " +
+                     std::to_string(changes) + " changes of state between them. Of " +
+                     std::to_string(handless) + " frames without an outstretched hand, " +
+                     std::to_string(falsely) +
                      " tracked.\n\n| over sequences | median | worst tenth | worst |\n"
                      "| --- | --: | --: | --: |\n";
   for (const Column& c : kColumns) text += row(c, figures);

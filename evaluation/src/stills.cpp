@@ -71,7 +71,8 @@ Letterbox letterbox(const Still& still) {
 }
 
 /// The last five tips that the tracker gives on the held picture.
-std::optional<std::array<Tip, kFingerCount>> hold_and_track(const cv::Mat& still, const Config& config, cv::RNG& random) {
+std::optional<std::array<Tip, kFingerCount>> hold_and_track(const cv::Mat& still,
+                                                            const Config& config, cv::RNG& random) {
   HandTracker tracker(Camera::from_field_of_view(kWidth_px, kHeight_px), average_adult_hand(),
                       config);
   std::optional<std::array<Tip, kFingerCount>> found;
@@ -107,8 +108,7 @@ StillResult judge(const Still& still, const Config& config, std::uint64_t seed) 
   const TipErrors errors = tip_errors(*tips, truth_px);
   for (const double px : errors.px) result.of_span.push_back(px / errors.span_px);
   result.largest_of_span = *std::max_element(result.of_span.begin(), result.of_span.end());
-  result.outcome =
-      errors.right() ? StillResult::Outcome::right : StillResult::Outcome::wrong;
+  result.outcome = errors.right() ? StillResult::Outcome::right : StillResult::Outcome::wrong;
   return result;
 }
 

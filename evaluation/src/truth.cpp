@@ -122,8 +122,7 @@ TruthFrame frame(const json& j) {
   for (int finger = 0; finger < kFingerCount; ++finger)
     f.all_tips_visible &= j.at("tip_visible").at(finger).get<bool>();
   f.layout = layout_in_picture(f.tips_px);
-  f.no_open_hand =
-      fold > kFoldedFold || j.value("hand_visible_fraction", 1.0) < kAbsentFraction;
+  f.no_open_hand = fold > kFoldedFold || j.value("hand_visible_fraction", 1.0) < kAbsentFraction;
   if (j.contains("other_hand")) f.other_tips_px = tips_px(j["other_hand"]);
   if (j.contains("finger_delta")) f.fingers = fingers(j["finger_delta"]);
   return f;

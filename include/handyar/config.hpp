@@ -20,11 +20,11 @@ struct BeliefConfig {
 struct MotionConfig {
   double rotation_sigma_rad = 0.35;   ///< of a frame's pose around what the frames before foretell
   double translation_sigma_m = 0.06;  ///< the same
-  double posture_keeps = 0.7;  ///< share of a finger's turn and bend expected to last a frame
-  double abduction_sigma_rad = 0.042;  ///< of a finger's turn around what is expected
-  double flexion_sigma_rad = 0.052;    ///< of a finger's bend
-  double thumb_sigma_rad = 0.09;       ///< of both for the thumb, which moves twice as far
-  double boundary_sigma_px = 0.3;      ///< change of the outline's offset in a frame
+  double posture_s = 0.15;            ///< about as long a finger keeps its turn and its bend
+  double abduction_sigma_rad = 0.09;  ///< of a finger's turn about the person's rest posture
+  double flexion_sigma_rad = 0.073;   ///< of a finger's bend
+  double thumb_sigma_rad = 0.2;       ///< of both for the thumb, which moves twice as far
+  double boundary_sigma_px = 0.3;     ///< change of the outline's offset in a frame
 };
 
 /// How fast what is seen is learned, in seconds.

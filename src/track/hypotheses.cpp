@@ -58,20 +58,23 @@ Hypothesis predicted(const Hypothesis& h, double dt_s) {
 
 }  // namespace
 
-HandPrior prior_around(const HandState& expected, const Person& person,
+HandPrior prior_around(const HandState& expected, const Person& person, double dt_s,
                        const Config& config) noexcept {
   const MotionConfig& motion = config.motion;
   HandPrior prior;
   prior.mean = expected;
-  for (double& angle_rad : prior.mean.posture.abduction_rad) angle_rad *= motion.posture_keeps;
-  for (double& angle_rad : prior.mean.posture.flexion_rad) angle_rad *= motion.posture_keeps;
+  constexpr double kShortest_s = 1e-3;  // no information is infinite
+  const double keeps = std::exp(-std::max(dt_s, kShortest_s) / motion.posture_s),
+               moves = std::sqrt(1 - keeps * keeps);
+  for (double& angle_rad : prior.mean.posture.abduction_rad) angle_rad *= keeps;
+  for (double& angle_rad : prior.mean.posture.flexion_rad) angle_rad *= keeps;
   prior.mean.figure = person.mean();
   HandVector sigma = HandVector::Ones();
   sigma.head<3>().setConstant(motion.rotation_sigma_rad);
   sigma.segment<3>(3).setConstant(motion.translation_sigma_m);
-  sigma.segment<kFingerCount>(kAbductionAt).setConstant(motion.abduction_sigma_rad);
-  sigma.segment<kFingerCount>(kFlexionAt).setConstant(motion.flexion_sigma_rad);
-  sigma[kAbductionAt] = sigma[kFlexionAt] = motion.thumb_sigma_rad;
+  sigma.segment<kFingerCount>(kAbductionAt).setConstant(moves * motion.abduction_sigma_rad);
+  sigma.segment<kFingerCount>(kFlexionAt).setConstant(moves * motion.flexion_sigma_rad);
+  sigma[kAbductionAt] = sigma[kFlexionAt] = moves * motion.thumb_sigma_rad;
   sigma[kBoundaryAt] = motion.boundary_sigma_px;
   prior.information = sigma.array().square().inverse().matrix().asDiagonal();
   prior.information.bottomRightCorner<kFigureModes, kFigureModes>() = person.information();
@@ -113,7 +116,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     start.figure = person.mean();
     start.T_camera_hand =
         start_pose(tips, make_figure(start.figure, face, candidate.layout), camera);
-    const HandPrior prior = prior_around(start, person, config);
+    const HandPrior prior = prior_around(start, person, kLongAgo_s, config);
     Alignment a;
     a.state = start;
     a.valid = true;
@@ -140,7 +143,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, const Pers
   for (int i = count_ - 1; i >= 0; --i) {  // the best last: its outline is the one to show
     Hypothesis& h = items_[i];
     const HandState before = h.alignment.state, expected = predicted(h, dt_s).alignment.state;
-    const HandPrior prior = prior_around(expected, person, config);
+    const HandPrior prior = prior_around(expected, person, dt_s, config);
     h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kNear_m);
     if (!h.alignment.valid || h.alignment.log_ratio < kPoor)
       h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kFar_m);
@@ -173,8 +176,8 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, const 
   HandState start = now.alignment.state;
   start.posture = {};
   if (other_plane) start.T_camera_hand = other_planar_solution(start.T_camera_hand);
-  const Alignment a =
-      aligner.align(frame, camera, appearance, start, prior_around(start, person, config), kFar_m);
+  const Alignment a = aligner.align(frame, camera, appearance, start,
+                                    prior_around(start, person, kLongAgo_s, config), kFar_m);
   if (!a.valid ||
       (!other_face && a.state.difference(now.alignment.state).head<3>().norm() < kSame_rad))
     return;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 
 #include "handyar/camera.hpp"
@@ -53,8 +54,11 @@ class Hypotheses {
   double since_reconsidered_s_ = 0;
 };
 
-/// The prior of a frame around an expected state.
-HandPrior prior_around(const HandState& expected, const Person& person,
+constexpr double kLongAgo_s = std::numeric_limits<double>::infinity();
+
+/// The prior of a frame around an expected state whose fingers were seen `dt_s` ago: they go back
+/// to rest in time, and are the less sure the longer ago it was (an Ornstein-Uhlenbeck process).
+HandPrior prior_around(const HandState& expected, const Person& person, double dt_s,
                        const Config& config) noexcept;
 
 }  // namespace handyar

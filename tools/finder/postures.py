@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Specs of training hands: a renderer's random hands in the postures that its own seeds lack.
 
-  postures.py FOLDER_OF_MKRANDOM FIRST LAST --out specs [--frames 24]
+  postures.py FOLDER_OF_MKRANDOM FIRST LAST --out specs [--frames 24] [--together]
 
-Fingers together or wide apart, the thumb along the palm or far from it, fingers bent, palms tilted
+Fingers close or wide apart (--together: side by side, as most people hold them), the thumb along the palm or far from it, fingers bent, palms tilted
 by up to 65 degrees. Seeds up to 100 and above 1000 are others' (building, reporting, kept aside).
 """
 import argparse
@@ -20,6 +20,7 @@ def main():
     ap.add_argument('first', type=int)
     ap.add_argument('last', type=int)
     ap.add_argument('--frames', type=int, default=24)
+    ap.add_argument('--together', action='store_true')
     ap.add_argument('--out', required=True)
     a = ap.parse_args()
     sys.path.insert(0, a.mkrandom)
@@ -28,12 +29,14 @@ def main():
         r = np.random.default_rng(90000 + seed)
         spec = mkrandom.spec(3 * seed + 1, a.frames)  # living fingers, an ideal camera
         spread = r.uniform(0.25, 1.3) if r.random() < 0.8 else 1.0
+        if a.together:
+            spread = r.uniform(-0.05, 0.4)
         az = spec['hand']['params']['az']
         for finger in '245':
             az[finger] = [round(spread * v, 1) for v in az[finger]]
         thumb = r.uniform(-32, 12)
         az['1'] = [round(v + thumb * w, 1) for v, w in zip(az['1'], (1, 0.9, 0.8))]
-        spec['live'] = dict(abd=[1, 5], flex=[3, 22], freq=[0.5, 1.2], tremor=0.25, min_gap=2.0)
+        spec['live'] = dict(abd=[1, 5], flex=[3, 22], freq=[0.5, 1.2], tremor=0.25, min_gap=-1.0 if a.together else 2.0)
         spec['traj'].update(tilt=round(r.uniform(15, 65), 1), roll=round(r.uniform(10, 60), 1), freq=[0.6, 1.5])
         spec['render'].update(spp=8, mblur=0)
         spec.update(kind='inspect', name='postures/%04d' % seed)

@@ -46,8 +46,8 @@ struct PoseError {
 struct FrameError {
   bool eligible = false;  ///< the five tips are visible and were so long enough to be found
   bool no_open_hand = false;
-  bool visible = false;  ///< the five tips are visible now
-  bool tracked = false;  ///< state `tracking`
+  bool visible = false;        ///< the five tips are visible now
+  bool tracked = false;        ///< state `tracking`
   bool on_other_hand = false;  ///< tracked, and rightly so, is a second hand
   bool wrong = false;          ///< tracked, but neither hand rightly
   bool layout_right = false;
@@ -73,8 +73,8 @@ Eigen::Isometry3d T_true_model(const Truth& truth, const HandModel& hand);
 /// one, fingertips about their mean; 1 for a measured hand.
 double scale_to_truth(const Truth& truth, const HandModel& hand);
 
-/// Errors of a track, as the hand came to be known, one a frame of the track; frames that truth does
-/// not know are left empty.
+/// Errors of a track, as the hand came to be known, one a frame of the track; frames that truth
+/// does not know are left empty.
 std::vector<FrameError> compare(const Truth& truth, const HandModel& hand,
                                 std::span<const TrackResult> track);
 

@@ -36,7 +36,7 @@ struct TruthFrame {
   /// Less than a twentieth of the hand is in the picture, or its fingers are folded, to a fist or a
   /// four: nothing to be tracked.
   bool no_open_hand = false;
-  std::optional<TipsPx> other_tips_px;  ///< of a second hand
+  std::optional<TipsPx> other_tips_px;                          ///< of a second hand
   std::optional<std::array<TrueFinger, kFingerCount>> fingers;  ///< where they live
 
   double span_px() const { return (tips_px[0] - tips_px[4]).norm(); }
