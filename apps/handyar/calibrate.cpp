@@ -6,7 +6,6 @@
 #include <iostream>
 #include <memory>
 
-#include "annotate.hpp"
 #include "command.hpp"
 #include "handyar/calibration/picture.hpp"
 #include "handyar/calibration/self_calibration.hpp"
@@ -17,6 +16,7 @@
 #include "handyar/io/hand_file.hpp"
 #include "handyar/io/pending_file.hpp"
 #include "handyar/io/picture_file.hpp"
+#include "handyar/opencv/annotate.hpp"
 #include "handyar/render/window.hpp"
 
 namespace handyar::cli {

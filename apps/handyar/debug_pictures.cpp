@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <opencv2/imgproc.hpp>
 
-#include "annotate.hpp"
 #include "handyar/io/picture_file.hpp"
+#include "handyar/opencv/annotate.hpp"
 
 namespace handyar::cli {
 namespace {

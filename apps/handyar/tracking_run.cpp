@@ -7,7 +7,6 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "annotate.hpp"
 #include "command.hpp"
 #include "diagnosis.hpp"
 #include "event_log.hpp"
@@ -18,6 +17,7 @@
 #include "handyar/io/pose_csv.hpp"
 #include "handyar/io/recording.hpp"
 #include "handyar/io/video_writer.hpp"
+#include "handyar/opencv/annotate.hpp"
 #include "remembered.hpp"
 #include "viewer.hpp"
 

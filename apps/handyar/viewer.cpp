@@ -5,10 +5,10 @@
 #include <iostream>
 #include <utility>
 
-#include "annotate.hpp"
 #include "command.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/picture_file.hpp"
+#include "handyar/opencv/annotate.hpp"
 
 namespace handyar::cli {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "annotate.hpp"
+#include "handyar/opencv/annotate.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace handyar::cli {
+namespace handyar {
 namespace {
 
 constexpr int kSubpixelBits =
@@ -206,4 +206,4 @@ void draw_lines(cv::Mat& bgr, const std::vector<std::string>& lines) {
     pen.text(lines[i], {pen.thick(14), step * (static_cast<int>(i) + 1)}, 0.48, kWhite);
 }
 
-}  // namespace handyar::cli
+}  // namespace handyar

@@ -7,7 +7,7 @@
 
 #include "handyar/tracker.hpp"
 
-namespace handyar::cli {
+namespace handyar {
 
 /// Draws what the tracker found in the frame onto it: the hand's contour, the labelled fingertips,
 /// the axes of the hand frame, and a line with state, layout and milliseconds, and `missing` when
@@ -24,4 +24,4 @@ void draw_contour(cv::Mat& bgr, const HandMask& mask);
 void draw_tips(cv::Mat& bgr, const TrackResult& result);
 void draw_axes(cv::Mat& bgr, const Camera& camera, const Eigen::Isometry3d& T_camera_hand);
 
-}  // namespace handyar::cli
+}  // namespace handyar
