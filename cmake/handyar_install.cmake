@@ -4,12 +4,12 @@ include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/handyar)
 
-set_target_properties(handyar_core PROPERTIES
-  VERSION ${PROJECT_VERSION}
-  SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
-  POSITION_INDEPENDENT_CODE ON)
-install(TARGETS handyar_core EXPORT handyar_targets)
+install(TARGETS handyar_core handyar_static EXPORT handyar_targets)
+if(TARGET handyar_shared)
+  install(TARGETS handyar_shared EXPORT handyar_targets)
+endif()
 install(DIRECTORY include/handyar DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(FILES bindings/c/handyar.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT handyar_targets
   NAMESPACE handyar::
   FILE handyarTargets.cmake
@@ -17,7 +17,7 @@ install(EXPORT handyar_targets
 
 configure_package_config_file(cmake/handyarConfig.cmake.in handyarConfig.cmake
   INSTALL_DESTINATION ${package_dir})
-write_basic_package_version_file(handyarConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(handyarConfigVersion.cmake COMPATIBILITY SameMajorVersion)
 file(RELATIVE_PATH pc_to_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 configure_file(cmake/handyar.pc.in handyar.pc @ONLY)
 

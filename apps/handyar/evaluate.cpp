@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "command.hpp"
+#include "handyar/api.h"
 #include "handyar/evaluation/footage.hpp"
 #include "handyar/evaluation/report.hpp"
 #include "output_folder.hpp"

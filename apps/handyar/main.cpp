@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "command.hpp"
+#include "handyar/api.h"
 #include "handyar/io/error.hpp"
 
 namespace {

@@ -5,11 +5,13 @@
 #include <array>
 #include <numbers>
 
+#include "handyar/api.h"
+
 namespace handyar {
 
 /// A pinhole camera with Brown-Conrady distortion, in OpenCV's convention: x right, y down,
 /// z forward; the centre of the top-left pixel is (0, 0).
-struct Camera {
+struct HANDYAR_API Camera {
   int width_px = 640;
   int height_px = 480;
   double fx_px = 554.256;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+
+#include "handyar/hand_model.hpp"
 #include "handyar/pose_filter.hpp"
 #include "handyar/stages/align.hpp"
 
@@ -40,6 +43,9 @@ struct Config {
   MotionConfig motion;
   LearningConfig learning;
   PoseFilterConfig filter;
+
+  /// The hand that will be shown, where it is known: it tells palm from back. Empty: either.
+  std::optional<Side> side;
 
   /// Clock for StageTimes, in seconds; null: times stay zero. Nothing else depends on it.
   double (*now_s)() = nullptr;

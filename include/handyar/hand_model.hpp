@@ -7,6 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "handyar/api.h"
+
 namespace handyar {
 
 /// The fingers, always in this order.
@@ -19,9 +21,21 @@ inline constexpr std::array<std::string_view, kFingerCount> kFingerNames = {
 /// On which side the thumb is when the visible face is looked at with the fingers up. The back of a
 /// left hand and the palm of a right hand share `thumb_right`.
 enum class Layout : std::uint8_t { thumb_right, thumb_left };
-std::string_view name(Layout layout) noexcept;
+HANDYAR_API std::string_view name(Layout layout) noexcept;
 constexpr Layout opposite(Layout l) noexcept {
   return l == Layout::thumb_right ? Layout::thumb_left : Layout::thumb_right;
+}
+
+/// Which face of the hand is seen.
+enum class Face : std::uint8_t { palm, back };
+HANDYAR_API std::string_view name(Face face) noexcept;
+constexpr Face opposite(Face face) noexcept { return face == Face::palm ? Face::back : Face::palm; }
+
+/// Which of a person's hands.
+enum class Side : std::uint8_t { left, right };
+HANDYAR_API std::string_view name(Side side) noexcept;
+constexpr Side side_of(Face face, Layout layout) noexcept {
+  return (face == Face::palm) == (layout == Layout::thumb_right) ? Side::right : Side::left;
 }
 
 /// Where a hand model's figures come from.
@@ -45,7 +59,7 @@ struct FigureEstimate {
 /// Hand frame: origin at the x of the middle fingertip, the y of the thumb tip and the mean z of
 /// the five tips; +y along the middle finger towards its tip; +z out of the visible face, towards
 /// the camera; +x completes a right-handed frame, so the thumb is at +x in `thumb_right`.
-struct HandModel {
+struct HANDYAR_API HandModel {
   Eigen::Matrix<double, 3, kFingerCount> tips_m = Eigen::Matrix<double, 3, kFingerCount>::Zero();
   Layout layout = Layout::thumb_right;  ///< in which `tips_m` was measured
   HandSource source = HandSource::average_adult;
@@ -88,6 +102,6 @@ inline constexpr double kAverageHandLength_m = 0.187;
 
 /// The average adult hand, fingers comfortably spread; the source of the figures stands with them
 /// in hand_model.cpp.
-HandModel average_adult_hand();
+HANDYAR_API HandModel average_adult_hand();
 
 }  // namespace handyar

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "handyar/api.h"
+
 namespace handyar {
 
 /// How the bytes of a frame are laid out. `gray` exists so that it can be named and refused: a hand
@@ -32,9 +34,9 @@ enum class FrameStatus : std::uint8_t {
 };
 
 /// Checks everything but the time. Never reads a pixel.
-FrameStatus check(const ImageView& image) noexcept;
+HANDYAR_API FrameStatus check(const ImageView& image) noexcept;
 
 /// One line for a person, e.g. "grey image: handyar needs colour".
-const char* describe(FrameStatus status) noexcept;
+HANDYAR_API const char* describe(FrameStatus status) noexcept;
 
 }  // namespace handyar

@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <limits>
 
+#include "handyar/api.h"
+
 namespace handyar {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -27,8 +29,8 @@ struct PoseEstimate {
 };
 
 /// Root mean square standard deviation of rotation (rad) over the three axes.
-double sigma_rotation_rad(const Matrix6d& covariance) noexcept;
+HANDYAR_API double sigma_rotation_rad(const Matrix6d& covariance) noexcept;
 /// Root mean square standard deviation of translation (m) over the three axes.
-double sigma_translation_m(const Matrix6d& covariance) noexcept;
+HANDYAR_API double sigma_translation_m(const Matrix6d& covariance) noexcept;
 
 }  // namespace handyar

@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 
+#include "handyar/api.h"
 #include "handyar/pose.hpp"
 
 namespace handyar {
@@ -57,7 +58,7 @@ struct MotionState {
 /// for each of a few levels of acceleration, from still to moving, combined by how well each
 /// foretells the measurements (interacting multiple models, Blom and Bar-Shalom 1988). So it holds
 /// still when the hand does and does not lag when it moves.
-class PoseFilter {
+class HANDYAR_API PoseFilter {
  public:
   explicit PoseFilter(const PoseFilterConfig& config = {}) noexcept;
 
@@ -83,10 +84,10 @@ class PoseFilter {
     double probability = 1.0 / kLevels;
   };
 
-  void start(double time_s, const PoseEstimate& measurement) noexcept;
-  void mix(double dt_s) noexcept;
-  bool refuse(double time_s, const PoseEstimate& measurement) noexcept;
-  MotionState combined() const noexcept;
+  HANDYAR_INTERNAL void start(double time_s, const PoseEstimate& measurement) noexcept;
+  HANDYAR_INTERNAL void mix(double dt_s) noexcept;
+  HANDYAR_INTERNAL bool refuse(double time_s, const PoseEstimate& measurement) noexcept;
+  HANDYAR_INTERNAL MotionState combined() const noexcept;
 
   PoseFilterConfig config_;
   double gate_ = 0;  ///< of the squared Mahalanobis distance

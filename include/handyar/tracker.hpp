@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 
+#include "handyar/api.h"
 #include "handyar/camera.hpp"
 #include "handyar/config.hpp"
 #include "handyar/hand_model.hpp"
@@ -25,7 +26,7 @@ enum class State : std::uint8_t {
   tracking,
   lost  ///< was tracking, trying to recover
 };
-std::string_view name(State state) noexcept;
+HANDYAR_API std::string_view name(State state) noexcept;
 
 /// What each stage took, in milliseconds; all zero unless Config::now_s is set. Segmentation is
 /// looking for the hand, or for how surely it is one; pose is laying the figure. Fingertips and
@@ -95,7 +96,7 @@ struct FrameEvidence {
 ///
 /// All memory is taken by the constructor and the first frame of a new size; after that process()
 /// allocates nothing, throws nothing, reads no clock and logs nothing. One thread at a time.
-class HandTracker {
+class HANDYAR_API HandTracker {
  public:
   HandTracker(const Camera& camera, const HandModel& hand, const Config& config = {});
   ~HandTracker();
@@ -123,7 +124,7 @@ class HandTracker {
   void reset() noexcept;
 
  private:
-  struct Impl;
+  struct HANDYAR_INTERNAL Impl;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -32,8 +32,6 @@ Eigen::Vector3d mirror(Face face, Layout layout) {
 
 }  // namespace
 
-std::string_view name(Face face) noexcept { return face == Face::palm ? "palm" : "back"; }
-
 PosedFigure pose_fingers(const HandFigure& figure, const Posture& posture) noexcept {
   PosedFigure posed{figure.centres_m, HandFigure::Centres::Zero(), HandFigure::Centres::Zero(),
                     figure.tips_m};

@@ -2,9 +2,14 @@
 #include "handyar/hand_model.hpp"
 
 namespace handyar {
+
 std::string_view name(Layout layout) noexcept {
   return layout == Layout::thumb_right ? "thumb_right" : "thumb_left";
 }
+
+std::string_view name(Face face) noexcept { return face == Face::palm ? "palm" : "back"; }
+
+std::string_view name(Side side) noexcept { return side == Side::left ? "left" : "right"; }
 
 HandModel HandModel::for_layout(Layout wanted) const {
   HandModel m = *this;

@@ -112,6 +112,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   aligner.forget();
   for (const Face face : {Face::palm, Face::back}) {
     const Appearance appearance{face, candidate.layout};
+    if (config.side && side_of(face, candidate.layout) != *config.side) continue;
     HandState start;
     start.figure = person.mean();
     start.T_camera_hand =
@@ -169,7 +170,8 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, const 
   if (count_ != 1) return;
   const Hypothesis& now = items_[0];
   constexpr int kAlternatives = 3;
-  const bool other_face = turn_ % kAlternatives != 2, other_plane = turn_ % kAlternatives != 0;
+  const bool other_face = !config.side && turn_ % kAlternatives != 2;
+  const bool other_plane = !other_face || turn_ % kAlternatives != 0;
   ++turn_;
   Appearance appearance = now.appearance;
   if (other_face) appearance.face = opposite(appearance.face);

@@ -19,6 +19,7 @@ if(PKG_CONFIG)
   file(GLOB_RECURSE pc ${prefix}/handyar.pc)
   get_filename_component(pc_dir ${pc} DIRECTORY)
   set(ENV{PKG_CONFIG_PATH} ${pc_dir})
+  set(ENV{LD_LIBRARY_PATH} ${pc_dir}/..)
   execute_process(COMMAND ${PKG_CONFIG} --cflags --libs handyar
     OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
   separate_arguments(flags UNIX_COMMAND "${CXX_FLAGS} -std=c++20 ${flags}")

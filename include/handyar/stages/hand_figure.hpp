@@ -5,16 +5,10 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 #include "handyar/hand_model.hpp"
 
 namespace handyar {
-
-/// Which face of the hand is seen.
-enum class Face : std::uint8_t { palm, back };
-std::string_view name(Face face) noexcept;
-constexpr Face opposite(Face face) noexcept { return face == Face::palm ? Face::back : Face::palm; }
 
 /// The spheres of the figure: four along each finger from its root to its tip, four webs, the two
 /// sides of the wrist, the heel of the hand below the little finger.

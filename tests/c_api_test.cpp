@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "hand_film.hpp"
+#include "handyar.h"
+
+namespace handyar {
+namespace {
+
+using test::Film;
+using test::Picture;
+
+template <class T>
+T sized() {
+  T s{};
+  s.size = sizeof s;
+  return s;
+}
+
+handyar_camera camera_of(int width_px, int height_px) {
+  auto camera = sized<handyar_camera>();
+  EXPECT_EQ(
+      handyar_camera_from_field_of_view(width_px, height_px, HANDYAR_FIELD_OF_VIEW_RAD, &camera),
+      HANDYAR_OK);
+  return camera;
+}
+
+struct Destroy {
+  void operator()(handyar_tracker* tracker) const { handyar_destroy(tracker); }
+};
+using TrackerPointer = std::unique_ptr<handyar_tracker, Destroy>;
+
+TrackerPointer tracker_with(const handyar_hand* hand, const handyar_options* options) {
+  const handyar_camera camera = camera_of(640, 480);
+  handyar_tracker* tracker = nullptr;
+  EXPECT_EQ(handyar_create(&camera, hand, options, &tracker), HANDYAR_OK);
+  return TrackerPointer(tracker);
+}
+
+handyar_frame frame_of(const Picture& picture) {
+  auto frame = sized<handyar_frame>();
+  const ImageView view = picture.view();
+  frame.format = static_cast<handyar_format>(view.format);
+  frame.width_px = view.width_px;
+  frame.height_px = view.height_px;
+  frame.data = view.data;
+  frame.stride_bytes = view.stride_bytes;
+  return frame;
+}
+
+handyar_hand average_hand() {
+  auto hand = sized<handyar_hand>();
+  EXPECT_EQ(handyar_average_hand(&hand), HANDYAR_OK);
+  return hand;
+}
+
+/// The same film, seen by the tracker in C++ and by the one in C.
+struct BothFilm {
+  BothFilm() : tracker(tracker_with(nullptr, nullptr)) {
+    film.tracker = HandTracker(film.camera, average_adult_hand());
+  }
+  void play(int frames) {
+    for (int i = 0; i < frames; ++i) {
+      film.next();
+      status = handyar_process(
+          tracker.get(),
+          [&] {
+            picture = film.picture();
+            frame = frame_of(picture);
+            return &frame;
+          }(),
+          film.time_s, &result);
+    }
+  }
+  Film film;
+  TrackerPointer tracker;
+  Picture picture{640, 480};
+  handyar_frame frame = sized<handyar_frame>();
+  handyar_result result = sized<handyar_result>();
+  handyar_status status = HANDYAR_OK;
+};
+
+TEST(CApi, SaysWhatTheCppTrackerSays) {
+  BothFilm both;
+  both.play(30);
+  const TrackResult& cpp = both.film.result;
+  const handyar_result& c = both.result;
+  ASSERT_EQ(both.status, HANDYAR_OK);
+  ASSERT_EQ(c.state, HANDYAR_TRACKING);
+  EXPECT_STREQ(handyar_state_name(c.state), "tracking");
+  ASSERT_TRUE(c.has_pose && c.has_raw_pose && cpp.pose && cpp.raw_pose);
+  EXPECT_EQ(c.layout,
+            *cpp.layout == Layout::thumb_right ? HANDYAR_THUMB_RIGHT : HANDYAR_THUMB_LEFT);
+  EXPECT_EQ(c.face, *cpp.face == Face::palm ? HANDYAR_PALM : HANDYAR_BACK);
+  EXPECT_EQ(c.doubtful, cpp.doubtful);
+  EXPECT_TRUE(c.scale_assumed);
+  EXPECT_TRUE(c.camera_assumed);
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) {
+      EXPECT_EQ(c.pose.T_camera_hand[row][column], cpp.pose->T_camera_hand(row, column));
+      EXPECT_EQ(c.raw_pose.T_camera_hand[row][column], cpp.raw_pose->T_camera_hand(row, column));
+    }
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column < 6; ++column)
+      EXPECT_EQ(c.pose.covariance[row][column], cpp.pose->covariance(row, column));
+  EXPECT_EQ(c.pose.time_s, both.film.time_s);
+  EXPECT_EQ(c.rms_px, cpp.raw_pose->rms_px);
+  for (int f = 0; f < HANDYAR_FINGERS; ++f) {
+    EXPECT_EQ(c.tips[f].px[0], cpp.tips[f].px.x());
+    EXPECT_EQ(c.tips[f].px[1], cpp.tips[f].px.y());
+    EXPECT_EQ(c.tips[f].seen, cpp.tips[f].seen);
+    EXPECT_EQ(c.fingers[f].abduction_rad, cpp.fingers[f].abduction_rad);
+    EXPECT_EQ(c.fingers[f].flexion_sigma_rad, cpp.fingers[f].flexion_sigma_rad);
+  }
+  for (int w = 0; w < HANDYAR_WEBS; ++w) EXPECT_EQ(c.webs[w].px[0], cpp.webs[w].px.x());
+
+  handyar_pose ahead;
+  const double later_s = both.film.time_s + 0.05;
+  ASSERT_EQ(handyar_predict(both.tracker.get(), later_s, &ahead), HANDYAR_OK);
+  EXPECT_EQ(ahead.time_s, later_s);
+  EXPECT_EQ(ahead.T_camera_hand[0][3],
+            both.film.tracker.predict(later_s)->T_camera_hand.translation().x());
+}
+
+TEST(CApi, ShowsTheHandOfTheLastFrame) {
+  BothFilm both;
+  auto mask = sized<handyar_mask>();
+  EXPECT_EQ(handyar_get_mask(both.tracker.get(), &mask), HANDYAR_NO_HAND);
+  EXPECT_EQ(handyar_get_outline(both.tracker.get(), nullptr, 0), 0u);
+  both.play(30);
+  ASSERT_EQ(handyar_get_mask(both.tracker.get(), &mask), HANDYAR_OK);
+  const HandMask cpp = both.film.tracker.mask();
+  ASSERT_EQ(mask.width, cpp.width);
+  ASSERT_EQ(mask.height, cpp.height);
+  for (int y = 0; y < mask.height; ++y)
+    EXPECT_EQ(std::memcmp(mask.data + y * mask.stride_bytes, cpp.data + y * cpp.stride_bytes,
+                          static_cast<std::size_t>(mask.width)),
+              0);
+
+  const std::size_t places = handyar_get_outline(both.tracker.get(), nullptr, 0);
+  ASSERT_GT(places, 10u);
+  std::vector<float> xy_px(2 * places, -1);
+  EXPECT_EQ(handyar_get_outline(both.tracker.get(), xy_px.data(), places - 1), places);
+  EXPECT_EQ(xy_px[2 * places - 1], -1) << "written beyond the capacity";
+  EXPECT_NE(xy_px[2 * places - 3], -1);
+
+  auto hand = sized<handyar_hand>();
+  ASSERT_EQ(handyar_get_hand(both.tracker.get(), &hand), HANDYAR_OK);
+  EXPECT_EQ(hand.tips_m[2][1], both.film.tracker.hand().tips_m(1, 2));
+}
+
+TEST(CApi, ARefusedFrameHasAReasonAndNoPose) {
+  BothFilm both;
+  both.play(30);
+  ASSERT_TRUE(both.result.has_pose);
+  const auto refused = [&](handyar_status why, auto change) {
+    handyar_frame frame = both.frame;
+    double time_s = both.film.time_s + 1;
+    change(frame, time_s);
+    both.result.has_pose = 1;
+    EXPECT_EQ(handyar_process(both.tracker.get(), &frame, time_s, &both.result), why);
+    EXPECT_FALSE(both.result.has_pose);
+    EXPECT_STRNE(handyar_describe(why), "unknown");
+  };
+  refused(HANDYAR_NO_DATA, [](handyar_frame& f, double&) { f.data = nullptr; });
+  refused(HANDYAR_GRAY_UNSUPPORTED, [](handyar_frame& f, double&) { f.format = HANDYAR_GRAY; });
+  refused(HANDYAR_BAD_ARGUMENT, [](handyar_frame& f, double&) { f.format = 99; });
+  refused(HANDYAR_SIZE_UNSUPPORTED, [](handyar_frame& f, double&) { f.width_px = 100000; });
+  refused(HANDYAR_STRIDE_TOO_SMALL, [](handyar_frame& f, double&) { f.stride_bytes = 3; });
+  refused(HANDYAR_TIME_NOT_INCREASING, [](handyar_frame&, double& t) { t = 0; });
+  both.play(1);
+  EXPECT_TRUE(both.result.has_pose) << "refused frames change nothing in the tracker";
+}
+
+TEST(CApi, AStructWhoseSizeIsNotSetIsRefused) {
+  handyar_camera camera{};
+  EXPECT_EQ(handyar_camera_from_field_of_view(640, 480, 1, &camera), HANDYAR_BAD_SIZE);
+  handyar_hand hand{};
+  EXPECT_EQ(handyar_average_hand(&hand), HANDYAR_BAD_SIZE);
+  handyar_options options{};
+  EXPECT_EQ(handyar_default_options(&options), HANDYAR_BAD_SIZE);
+  handyar_tracker* tracker = nullptr;
+  EXPECT_EQ(handyar_create(&camera, nullptr, nullptr, &tracker), HANDYAR_BAD_SIZE);
+  EXPECT_EQ(tracker, nullptr);
+  const TrackerPointer good = tracker_with(nullptr, nullptr);
+  handyar_result result{};
+  const Picture picture(640, 480);
+  const handyar_frame frame = frame_of(picture);
+  EXPECT_EQ(handyar_process(good.get(), &frame, 1, &result), HANDYAR_BAD_SIZE);
+}
+
+TEST(CApi, ANewerProgramsLargerStructIsFilledWithZeros) {
+  struct {
+    handyar_options options;
+    double later_field;
+  } newer{};
+  newer.options.size = sizeof newer;
+  newer.later_field = 7;
+  ASSERT_EQ(handyar_default_options(&newer.options), HANDYAR_OK);
+  EXPECT_EQ(newer.options.size, sizeof newer);
+  EXPECT_EQ(newer.options.smoothing, 1);
+  EXPECT_EQ(newer.later_field, 0);
+}
+
+TEST(CApi, ValuesThatMeanNothingAreRefused) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const handyar_camera camera = camera_of(640, 480);
+  const auto refused = [](const handyar_camera& c, const handyar_hand* h,
+                          const handyar_options* o) {
+    handyar_tracker* tracker = nullptr;
+    EXPECT_EQ(handyar_create(&c, h, o, &tracker), HANDYAR_BAD_ARGUMENT);
+    EXPECT_EQ(tracker, nullptr);
+  };
+  for (double handyar_camera::*value : {&handyar_camera::fx_px, &handyar_camera::cy_px}) {
+    handyar_camera bad = camera;
+    bad.*value = nan;
+    refused(bad, nullptr, nullptr);
+  }
+  handyar_camera flat = camera;
+  flat.width_px = 0;
+  refused(flat, nullptr, nullptr);
+
+  handyar_hand hand = average_hand();
+  hand.layout = HANDYAR_UNKNOWN;
+  refused(camera, &hand, nullptr);
+  hand = average_hand();
+  hand.tips_m[4][1] = nan;
+  refused(camera, &hand, nullptr);
+  hand = average_hand();
+  std::memset(hand.tips_m, 0, sizeof hand.tips_m);
+  refused(camera, &hand, nullptr);
+
+  auto options = sized<handyar_options>();
+  options.smoothing = -1;
+  refused(camera, nullptr, &options);
+  options.smoothing = 1;
+  options.side = 3;
+  refused(camera, nullptr, &options);
+
+  EXPECT_EQ(handyar_create(nullptr, nullptr, nullptr, nullptr), HANDYAR_BAD_ARGUMENT);
+  EXPECT_EQ(handyar_process(nullptr, nullptr, 0, nullptr), HANDYAR_BAD_ARGUMENT);
+  handyar_destroy(nullptr);
+}
+
+TEST(CApi, WithoutSmoothingThePoseIsTheRawOne) {
+  auto options = sized<handyar_options>();
+  const TrackerPointer tracker = tracker_with(nullptr, &options);
+  Film film;
+  auto result = sized<handyar_result>();
+  for (int i = 0; i < 30; ++i) {
+    film.next();
+    const Picture picture = film.picture();
+    const handyar_frame frame = frame_of(picture);
+    ASSERT_EQ(handyar_process(tracker.get(), &frame, film.time_s, &result), HANDYAR_OK);
+  }
+  ASSERT_TRUE(result.has_pose);
+  for (int row = 0; row < 3; ++row)
+    EXPECT_NEAR(result.pose.T_camera_hand[row][3], result.raw_pose.T_camera_hand[row][3], 1e-12);
+}
+
+TEST(CApi, ProjectsLikeTheCamera) {
+  handyar_camera camera = camera_of(640, 480);
+  camera.distortion[0] = 0.1;
+  const double point_m[3] = {0.1, -0.05, 0.5};
+  double px[2];
+  ASSERT_EQ(handyar_project(&camera, point_m, px), HANDYAR_OK);
+  Camera cpp = Camera::from_field_of_view(640, 480);
+  cpp.distortion[0] = 0.1;
+  const Eigen::Vector2d expected = cpp.project({0.1, -0.05, 0.5});
+  EXPECT_NEAR(px[0], expected.x(), 1e-9);
+  EXPECT_NEAR(px[1], expected.y(), 1e-9);
+  const double behind_m[3] = {0, 0, -1};
+  EXPECT_EQ(handyar_project(&camera, behind_m, px), HANDYAR_BAD_ARGUMENT);
+}
+
+}  // namespace
+}  // namespace handyar
