@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+// A bare outstretched hand, used like a printed AR marker. What everything means is said in
+// handyar.d.ts.
+import {
+  Library, readHandStruct, readMask, readPose, readResult, writeCamera, writeFrame, writeHand,
+} from './memory.js';
+
+export { readCamera, readHand } from './files.js';
+export { LiveTracker } from './live.js';
+export { predictPose, projectionMatrix } from './pose.js';
+export { FINGERS } from './memory.js';
+
+export function cameraFromFieldOfView(width_px, height_px, fov_rad = Math.PI / 3) {
+  const f_px = 0.5 * Math.max(width_px, height_px) / Math.tan(0.5 * fov_rad);
+  return {
+    width_px, height_px, fx_px: f_px, fy_px: f_px,
+    cx_px: 0.5 * (width_px - 1), cy_px: 0.5 * (height_px - 1),
+    distortion: [0, 0, 0, 0, 0], assumed: true };
+}
+
+/** The same camera read out at another size of the same shape. */
+function scaledTo(camera, width_px, height_px) {
+  const s = width_px / camera.width_px;
+  return {
+    ...camera, width_px, height_px, fx_px: s * camera.fx_px, fy_px: s * camera.fy_px,
+    cx_px: s * (camera.cx_px + 0.5) - 0.5, cy_px: s * (camera.cy_px + 0.5) - 0.5 };
+}
+
+/** The pixels of a picture that lies elsewhere than in memory. */
+class PictureReader {
+  #context = null;
+
+  read(picture) {
+    if (picture.data) return picture;
+    const width = picture.displayWidth ?? picture.width, height = picture.displayHeight ?? picture.height;
+    if (this.#context === null)
+      this.#context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+    const { canvas } = this.#context;
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    this.#context.drawImage(picture, 0, 0, width, height);
+    return this.#context.getImageData(0, 0, width, height);
+  }
+}
+
+export class HandTracker {
+  #library;
+  #given;             // camera, or null: a field of view is assumed of pictures of any size; hand
+  #camera = null;     // of pictures of the last size
+  #tracker = 0;       // made for the first picture
+  #tracker_address;   // where handyar_create() writes it
+  #structs;
+  #pixels = { address: 0, length: 0 };
+  #pictures = new PictureReader();
+
+  static async create({ camera = null, hand = null, wasm } = {}) {
+    const tracker = new HandTracker();
+    const library = await Library.load(wasm);
+    tracker.#library = library;
+    tracker.#given = { camera, hand };
+    tracker.#tracker_address = library.allocate(4);
+    tracker.#structs = Object.fromEntries(
+      ['camera', 'hand', 'frame', 'result', 'pose', 'mask'].map((name) => [name, library.make(name)]));
+    return tracker;
+  }
+
+  /** The camera of the last picture; null before the first. */
+  get camera() {
+    return this.#camera;
+  }
+
+  process(picture, time_s) {
+    const { data, width, height } = this.#pictures.read(picture);
+    this.#prepare(width, height, data.length);
+    const { frame, result } = this.#structs;
+    this.#library.bytes(this.#pixels.address, data.length).set(data);
+    writeFrame(frame, width, height, this.#pixels.address);
+    this.#library.call('process', this.#tracker, frame.address, time_s, result.address);
+    return readResult(result, time_s);
+  }
+
+  predict(time_s) {
+    const { pose } = this.#structs;
+    const known = this.#tracker !== 0 &&
+      this.#library.call('predict', this.#tracker, time_s, pose.address);
+    return known ? readPose(pose) : null;
+  }
+
+  mask() {
+    const { mask } = this.#structs;
+    const known = this.#tracker !== 0 &&
+      this.#library.call('get_mask', this.#tracker, mask.address);
+    return known ? readMask(this.#library, mask) : null;
+  }
+
+  hand() {
+    if (this.#tracker === 0) return this.#given.hand;
+    const { hand } = this.#structs;
+    this.#library.call('get_hand', this.#tracker, hand.address);
+    return readHandStruct(hand);
+  }
+
+  setHand(hand) {
+    this.#given.hand = hand;
+    this.#forget();
+  }
+
+  reset() {
+    if (this.#tracker !== 0) this.#library.reset(this.#tracker);
+  }
+
+  /** A tracker and memory for pictures of this size. */
+  #prepare(width_px, height_px, length) {
+    if (this.#pixels.length !== length) {
+      this.#library.free(this.#pixels.address);
+      this.#pixels = { address: this.#library.allocate(length), length };
+    }
+    const same = this.#camera?.width_px === width_px && this.#camera.height_px === height_px;
+    if (this.#tracker !== 0 && same) return;
+    const { camera: given, hand } = this.#given;
+    if (given && given.width_px * height_px !== given.height_px * width_px)
+      throw new Error(`the camera was calibrated for pictures of ${given.width_px}x` +
+        `${given.height_px}, these are ${width_px}x${height_px}`);
+    this.#camera = given ? scaledTo(given, width_px, height_px)
+      : cameraFromFieldOfView(width_px, height_px);
+    this.#forget();
+    const { camera, hand: hand_struct } = this.#structs;
+    writeCamera(camera, this.#camera);
+    if (hand) writeHand(hand_struct, hand);
+    this.#library.call(
+      'create', camera.address, hand ? hand_struct.address : 0, 0, this.#tracker_address);
+    this.#tracker = this.#library.view().getInt32(this.#tracker_address, true);
+  }
+
+  #forget() {
+    this.#library.destroy(this.#tracker);
+    this.#tracker = 0;
+  }
+}

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// The same pictures give the same poses as the program built for this machine. Additions in another
+// order differ in the last bits, and where the tracker chooses (a point of the outline, a step taken
+// or not) such a difference becomes a larger one; so the bounds are those of choices that fall out
+// differently, and a hand in doubt is left out.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+
+import { HandTracker, readCamera, readHand } from '../src/handyar.js';
+import { alongClip, data, program } from './clip.mjs';
+
+const canDecode = (() => {
+  try {
+    execFileSync('ffmpeg', ['-version'], { stdio: 'ignore' });
+    return true;
+  } catch {
+    return false;
+  }
+})();
+const skip = !program ? 'the program handyar is not built' : !canDecode ? 'ffmpeg is missing' : false;
+
+/** Angle between the rotation of T, column-major, and a quaternion of poses.csv. */
+function angle_rad(T, { qw, qx, qy, qz }) {
+  const [w, x, y, z] = [qw, qx, qy, qz].map(Number);
+  const R = [
+    1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y),
+    2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x),
+    2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
+  const trace = R.reduce((sum, r, i) => sum + r * T[4 * Math.floor(i / 3) + (i % 3)], 0);
+  return Math.acos(Math.min(1, Math.max(-1, (trace - 1) / 2)));
+}
+
+const quantile = (list, share) => [...list].sort((a, b) => a - b)[Math.floor(share * (list.length - 1))];
+
+for (const { clip, calibrated, tracked } of [
+  { clip: 'sample', calibrated: true, tracked: 200 },
+  { clip: 'select', calibrated: true, tracked: 200 },
+  { clip: 'wall', calibrated: false, tracked: 70 },
+]) {
+  test(`${clip}: the poses of the program`, { skip }, async () => {
+    const camera_file = data(`${clip}/camera.yml`), hand_file = data(`${clip}/hand.json`);
+    const tracker = await HandTracker.create(calibrated ? {
+      camera: readCamera(readFileSync(camera_file, 'utf8')),
+      hand: readHand(readFileSync(hand_file, 'utf8')) } : {});
+    const options = calibrated ? ['--camera', camera_file, '--hand', hand_file] : [];
+    const apart_m = [], apart_rad = [];
+    let frames = 0, otherStates = 0;
+    alongClip(`${clip}/video.mp4`, options, (picture, row) => {
+      const result = tracker.process(picture, Number(row.time_s));
+      ++frames;
+      if (result.state !== row.state) ++otherStates;
+      if (!result.pose || !row.tx_m || result.doubtful || row.doubtful === '1') return;
+      const T = result.pose.T_camera_hand;
+      apart_m.push(Math.hypot(T[12] - row.tx_m, T[13] - row.ty_m, T[14] - row.tz_m));
+      apart_rad.push(angle_rad(T, row));
+    });
+    assert.ok(otherStates <= 0.02 * frames, `${otherStates} of ${frames} states differ`);
+    assert.ok(apart_m.length >= tracked, `${apart_m.length} frames are tracked by both`);
+    assert.ok(apart_m[0] < 1e-4, `the first pose is ${apart_m[0]} m off`);
+    assert.ok(quantile(apart_m, 0.5) < 5e-4, `poses are ${quantile(apart_m, 0.5)} m apart`);
+    assert.ok(quantile(apart_m, 0.95) < 5e-3, `19 of 20 poses are within ${quantile(apart_m, 0.95)} m`);
+    assert.ok(quantile(apart_rad, 0.5) < 5e-3, `poses are ${quantile(apart_rad, 0.5)} rad apart`);
+  });
+}
