@@ -178,7 +178,7 @@ TEST_F(CliTest, HelpVersionAndCamerasSucceed) {
     EXPECT_NE(r.out.find("Usage: handyar"), std::string::npos) << r.out;
   }
   const std::string help = run("track --help").out;
-  for (const char* line : {"--model-mm 1 to 10000 (90)", "--processing full|half (full)"})
+  for (const char* line : {"--model-mm 1 to 10000", "--processing full|half (full)"})
     EXPECT_NE(help.find(line), std::string::npos) << help;
   const Outcome far = run("track " + kVideo + " --model-mm 0");
   EXPECT_EQ(far.code, 2);

@@ -244,11 +244,12 @@ TEST(WindowTest, FitsTheScreenAndKeepsTheAspect) {
 struct OverlayTest : RendererTest {
   HandOverlay overlay{cube(), 0.05};
   const HandModel hand = average_adult_hand();
+  const Isometry3d on_palm = T_hand_attachment(Attachment::face, hand, {});
 
   /// Colour over the palm after a frame with or without the hand.
   cv::Vec3b step(double time_s, const std::optional<Isometry3d>& T_camera_hand, Layout layout) {
     cv::Mat bgr = frame();
-    overlay.draw(bgr, camera, time_s, T_camera_hand, hand.for_layout(layout), mask());
+    overlay.draw(bgr, camera, time_s, T_camera_hand, hand.for_layout(layout), mask(), on_palm);
     return at(bgr, hand_at(0.45) * Vector3d(0, hand.palm_centre_m().y(), 0.05));
   }
 };
@@ -307,7 +308,7 @@ TEST_F(OverlayTest, StandsOnThePalmPoint) {
     cv::Mat bgr, gray;
     for (int i = 0; i < 12; ++i) {
       bgr = frame();
-      dot.draw(bgr, camera, 10 * tilt + 20 + i / 30.0, T, hand, mask());
+      dot.draw(bgr, camera, 10 * tilt + 20 + i / 30.0, T, hand, mask(), on_palm);
     }
     cv::absdiff(bgr, frame(), bgr);
     cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);

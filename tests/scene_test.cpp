@@ -43,6 +43,7 @@ void expect_complaint(const json& scene, const std::string& part) {
 TEST(Scene, ReadsObjectsAndTheirMarkers) {
   json in = two_objects();
   in["objects"][0]["size_mm"] = 85;
+  in["objects"][0]["attach"] = "index_tip";
   in["objects"][0]["pose"] = {{"position_mm", {10, 20, 30}}, {"rotation_deg", {90, 0, 90}}};
   const Scene scene = parse_scene(in.dump(), "rooms/scene.json");
   ASSERT_EQ(scene.objects.size(), 2u);
@@ -54,6 +55,8 @@ TEST(Scene, ReadsObjectsAndTheirMarkers) {
   EXPECT_EQ(a.model, "teapot");
   EXPECT_DOUBLE_EQ(a.size_m, 0.085);
   EXPECT_TRUE(a.colour.isApprox(Eigen::Vector3f(1, 128 / 255.0f, 0), 1e-5f));
+  EXPECT_EQ(a.attachment, Attachment::index_tip);
+  EXPECT_EQ(scene.objects[1].attachment, Attachment::face);
   EXPECT_EQ(scene.objects[1].model, "rooms/shelf/cup.obj");
   // About x first: y goes to z. Then about z, which leaves it there; and x goes to y.
   EXPECT_TRUE((a.T_marker_object.linear() * Eigen::Vector3d::UnitY())
@@ -107,6 +110,7 @@ TEST(Scene, SaysInOneLineWhatIsWrong) {
   expect_complaint(with([](json& o) { o.erase("marker"); }), "\"marker\" is missing");
   expect_complaint(with([](json& o) { o.erase("model"); }), "\"model\" is missing");
   expect_complaint(with([](json& o) { o["colour"] = "red"; }), "#rrggbb");
+  expect_complaint(with([](json& o) { o["attach"] = "elbow"; }), "no place of the hand");
   expect_complaint(with([](json& o) { o["size_mm"] = -3; }), "size_mm");
   expect_complaint(with([](json& o) { o["size_mm"] = "big"; }), "size_mm");
   expect_complaint(with([](json& o) { o["pose"] = {{"position_mm", {1, 2}}}; }), "position_mm");

@@ -5,8 +5,8 @@
 
 namespace handyar::cli {
 
-ObjectOnHand::ObjectOnHand(const std::string& model, double size_m)
-    : models_{model}, size_m_(size_m) {
+ObjectOnHand::ObjectOnHand(const std::string& model, double size_m, Attachment where)
+    : models_{model}, size_m_(size_m), where_(where) {
   for (const char* const other : {"teapot", "bunny", ""})
     if (model != other) models_.push_back(other);
   take(0);
@@ -17,9 +17,9 @@ void ObjectOnHand::next() { take((current_ + 1) % models_.size()); }
 void ObjectOnHand::take(std::size_t which) {
   current_ = which;
   const std::string& model = models_[which];
-  overlay_ = model.empty()
-                 ? nullptr
-                 : std::make_unique<render::HandOverlay>(render::find_model(model), size_m_);
+  overlay_ = model.empty() ? nullptr
+                           : std::make_unique<render::HandOverlay>(render::find_model(model),
+                                                                   size_m_, where_);
 }
 
 }  // namespace handyar::cli

@@ -15,8 +15,9 @@ namespace handyar::cli {
 class ObjectOnHand {
  public:
   /// `model`: `teapot`, `bunny`, or a file; empty: none at first. `size_m`: its longest side.
-  /// Throws io::Error when it cannot be read or drawn.
-  ObjectOnHand(const std::string& model, double size_m);
+  /// `where`: the place of the hand that it stands on. Throws io::Error when it cannot be read or
+  /// drawn.
+  ObjectOnHand(const std::string& model, double size_m, Attachment where = Attachment::face);
 
   void next();
   void draw(cv::Mat& bgr, const AnyTracker& tracker, const Camera& camera,
@@ -29,6 +30,7 @@ class ObjectOnHand {
 
   std::vector<std::string> models_;
   double size_m_;
+  Attachment where_;
   std::size_t current_ = 0;
   std::unique_ptr<render::HandOverlay> overlay_;
 };

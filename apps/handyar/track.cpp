@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "command.hpp"
+#include "handyar/attachment.hpp"
 #include "object_on_hand.hpp"
 #include "remembered.hpp"
 #include "tracking_run.hpp"
@@ -31,8 +32,15 @@ struct Choices {
   std::string method = "figure", processing = "full", fingertips = "ellipse";
   bool no_filter = false, no_timings = false, no_annotation = false;
   std::string model, debug_frames, camera_size;
-  double model_mm = 90;
+  std::string attach = "face";
+  std::optional<double> model_mm;
 };
+
+std::vector<std::string> attachment_names() {
+  std::vector<std::string> names;
+  for (int i = 0; i < kAttachmentCount; ++i) names.emplace_back(name(static_cast<Attachment>(i)));
+  return names;
+}
 
 FrameSet debug_frames_of(const Choices& choices, const TrackingRun& run) {
   if (choices.debug_frames.empty()) return {};
@@ -57,7 +65,9 @@ void stand_on_hand(const Choices& choices, TrackingRun& run) {
   require_distinct_files({choices.model},
                          {run.poses_out, run.video_out, run.events_out, run.record_out});
   if (choices.model.empty() && !run.show) return;
-  const auto object = std::make_shared<ObjectOnHand>(choices.model, choices.model_mm / 1000);
+  const Attachment where = *find_attachment(choices.attach);
+  const double size_mm = choices.model_mm.value_or(on_finger(where) ? 25 : 90);
+  const auto object = std::make_shared<ObjectOnHand>(choices.model, size_mm / 1000, where);
   run.next_object = [object] { object->next(); };
   run.overlay = [object](cv::Mat& bgr, std::int64_t, const AnyTracker& tracker,
                          const Camera& camera,
@@ -88,8 +98,16 @@ Command add_track(CLI::App& app) {
       ->add_option("--model", choices->model,
                    "Stand an object on the hand: teapot, bunny, or a file (OBJ, PLY, glTF)")
       ->type_name("MODEL");
-  options->add_option("--model-mm", choices->model_mm, "The object's longest side")
-      ->check(between(1.0, 10000.0))
+  options
+      ->add_option("--model-mm", choices->model_mm,
+                   "The object's longest side; else 90, and 25 on a finger")
+      ->check(between(1.0, 10000.0));
+  options
+      ->add_option("--attach", choices->attach,
+                   "Where on the hand it stands: face (the visible one), palm, back, wrist,\n"
+                   "thumb_base to little_base, thumb_tip to little_tip")
+      ->type_name("PLACE")
+      ->check(CLI::IsMember(attachment_names()))
       ->capture_default_str();
   options
       ->add_option("--events", run->events_out,

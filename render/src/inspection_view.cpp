@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "hand_distance.hpp"
-#include "handyar/render/hand_overlay.hpp"
+#include "handyar/attachment.hpp"
 
 namespace handyar::render {
 namespace {
@@ -95,7 +95,10 @@ void InspectionView::follow_hand(const HandInView& hand, double step_s) {
   }
   T_camera_hand_ = *hand.T_camera_hand;
   following_ = inspection_.weight() > 0 ? std::min(1.0, following_ + step_s / kCatchUp_s) : 1;
-  T_camera_stand_ = blend(T_camera_stand_, T_camera_hand_ * T_hand_object(hand.model), following_);
+  const Attachment where = scene_.objects[static_cast<std::size_t>(last_object_)].attachment;
+  T_camera_stand_ =
+      blend(T_camera_stand_, T_camera_hand_ * T_hand_attachment(where, hand.model, hand.result),
+            following_);
 }
 
 double InspectionView::distance_to_px(std::size_t i, const Camera& camera,

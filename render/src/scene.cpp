@@ -120,6 +120,14 @@ class Reader {
     return Eigen::Vector3f(part(1), part(3), part(5)) / 255;
   }
 
+  Attachment attachment(const json& in) const {
+    const std::string text = word(in, "attach");
+    if (const auto where = find_attachment(text)) return *where;
+    fail("\"attach\": \"" + text +
+         "\" is no place of the hand (known are face, palm, back, wrist, " +
+         "thumb_base ... little_base, thumb_tip ... little_tip)");
+  }
+
   SceneMarker marker(const json& in) const {
     SceneMarker m;
     m.dictionary = word(in, "dictionary");
@@ -184,7 +192,7 @@ class Reader {
 
   void read_object(const json& in) {
     const bool has_world = !scene_.markers.empty() && scene_.markers.front().T_world_marker;
-    expect_only(in, {"name", "marker", "model", "colour", "size_mm", "pose"});
+    expect_only(in, {"name", "marker", "model", "colour", "size_mm", "pose", "attach"});
     SceneObject o;
     o.model = word(in, "model");
     const std::filesystem::path folder = std::filesystem::path(path_).parent_path();
@@ -195,6 +203,7 @@ class Reader {
       if (other.name == o.name) fail("the name \"" + o.name + "\" is used twice");
     o.colour = colour(in);
     if (in.contains("size_mm")) o.size_m = number(in, "size_mm", 1, 10000) / 1000;
+    if (in.contains("attach")) o.attachment = attachment(in);
     o.T_marker_object = pose(in);
     if (in.contains("marker")) {
       expect_only(in["marker"], {"dictionary", "id", "size_mm"});

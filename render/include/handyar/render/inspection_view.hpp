@@ -19,9 +19,10 @@ struct HandInView {
   bool fingertips_seen = false;  ///< at least as candidates: the region is a hand, not a wall
   std::optional<Eigen::Isometry3d> T_camera_hand;  ///< while the fingertips are tracked
   HandModel model;                                 ///< in the layout in view
+  TrackResult result;
 
   static HandInView of(const auto& tracker, const TrackResult& result) {
-    HandInView hand{tracker.mask(), false, std::nullopt, tracker.hand()};
+    HandInView hand{tracker.mask(), false, std::nullopt, tracker.hand(), result};
     hand.fingertips_seen = result.state == State::acquiring || result.state == State::tracking;
     if (result.state == State::tracking && result.pose)
       hand.T_camera_hand = result.pose->T_camera_hand;

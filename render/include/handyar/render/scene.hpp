@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "handyar/attachment.hpp"
+
 namespace handyar::render {
 
 /// A printed square marker. Marker frame: origin at its centre, x right, y up, z out of the print.
@@ -24,6 +26,7 @@ struct SceneObject {
   std::string model;                                 ///< `teapot`, `bunny`, or a file
   Eigen::Vector3f colour = Eigen::Vector3f::Ones();  ///< multiplies the model's own, sRGB 0..1
   double size_m = 0.09;                              ///< longest side of the model
+  Attachment attachment = Attachment::face;          ///< where it stands on the hand
   int marker = -1;  ///< index in Scene::markers; -1: its place is given in the world
   /// Its foot (+z up, +x its front) in the frame of its marker, or of the world.
   Eigen::Isometry3d T_marker_object = Eigen::Isometry3d::Identity();
