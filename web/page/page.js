@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: MIT
+import { HandThree } from 'handyar/three';
+import { Vector3 } from 'three';
+
+import { Turning, keepHand, keptHand, measuredHand, span_m } from './calibration.js';
+import { modelFrom, teapot } from './model.js';
+import { Teller, cameraFault } from './words.js';
+
+const $ = (id) => document.getElementById(id);
+const stage = $('stage');
+
+export const hand = new HandThree({ container: stage, hand: keptHand() });
+const palm = hand.addAnchor('palm'), thumb = hand.addAnchor('thumb_tip'), index = hand.addAnchor('index_tip');
+palm.group.add(teapot());
+const canvas = hand.renderer.domElement;
+
+let teller = new Teller();
+let recorded = false;   // a recorded hand is watched
+let recorded_url = null;
+let measuring = false;
+let turning = null;     // while the hand is calibrated
+let notice = { text: '', until_ms: 0 };
+
+function say(text) {
+  if ($('said').textContent !== text) $('said').textContent = text;
+}
+
+/** Says something for a while, over what is said of the pictures. */
+function tell(text, seconds = 4) {
+  notice = { text, until_ms: performance.now() + 1000 * seconds };
+  say(text);
+}
+
+// --- Camera on and off
+
+function show(running) {
+  $('welcome').hidden = running;
+  closeCalibration();
+  say('');
+}
+
+async function start(begin) {
+  $('fault').hidden = true;
+  teller = new Teller();
+  try {
+    say('Starting…');
+    await begin();
+    show(true);
+    mirror(!recorded && hand.facing === 'user');
+  } catch (error) {
+    show(false);
+    $('fault').textContent = cameraFault(error);
+    $('fault').hidden = false;
+  }
+}
+
+function startCamera() {
+  recorded = false;
+  return start(() => hand.start());
+}
+
+function watchRecorded() {
+  recorded = true;
+  return start(async () => {
+    recorded_url ??= URL.createObjectURL(await (await fetch('recorded_hand.mp4')).blob());
+    await hand.start(recorded_url);
+  });
+}
+
+function switchCamera() {
+  return start(() => hand.switchCamera());
+}
+
+function stop() {
+  hand.stop();
+  show(false);
+}
+
+function mirror(mirrored) {
+  stage.classList.toggle('mirrored', mirrored);
+  $('mirror').setAttribute('aria-pressed', mirrored);
+}
+
+// Drawn when a picture came, and not more often: nothing else moves.
+hand.onUpdate = ({ result }) => {
+  hand.renderer.render(hand.scene, hand.camera);
+  drawRuler();
+  turning?.take(result);
+  if (turning) sayCalibration();
+  if (performance.now() > notice.until_ms) say(teller.say(result, recorded));
+};
+hand.onError = (error) => tell(error.message);
+
+// --- The model
+
+async function take(file) {
+  try {
+    const model = await modelFrom(file);
+    palm.group.clear();
+    palm.group.add(model);
+    tell(`${file.name} stands on the hand.`);
+  } catch (error) {
+    tell(error.message, 8);
+  }
+}
+
+// --- Measuring
+
+function measure(on) {
+  measuring = on;
+  if (on && !(thumb.followed && index.followed)) tell('Hold up the hand that is to be measured.');
+}
+
+/** Where a point of the scene is on the page. */
+function onPage(point) {
+  const { x, y } = point.clone().applyMatrix4(hand.camera.projectionMatrix);
+  const { width, height } = canvas, box = stage.getBoundingClientRect();
+  const scale = Math.max(box.width / width, box.height / height);  // object-fit: cover
+  const flip = stage.classList.contains('mirrored') ? -1 : 1;
+  return { x: box.width / 2 + flip * x * width * scale / 2, y: box.height / 2 - y * height * scale / 2 };
+}
+
+function drawRuler() {
+  const shown = measuring && thumb.followed && index.followed;
+  $('ruler').toggleAttribute('hidden', !shown);
+  if (!shown) return;
+  const from = thumb.group.position, to = index.group.position;
+  const a = onPage(from), b = onPage(to), line = $('ruler').firstElementChild;
+  Object.entries({ x1: a.x, y1: a.y, x2: b.x, y2: b.y }).forEach(([key, x]) => line.setAttribute(key, x));
+  const apart_mm = Math.round(1000 * from.distanceTo(to));
+  const away_cm = Math.round(100 * palm.group.position.distanceTo(new Vector3()));
+  const assumed = keptHand() ? '' : ' (if the hand is of average size)';
+  tell(`Thumb to index ${apart_mm} mm, ${away_cm} cm away${assumed}`, 2);
+}
+
+// --- The person's hand
+
+function openCalibration() {
+  turning = new Turning();
+  $('calibration').hidden = false;
+  $('tools').hidden = true;
+  $('length').hidden = true;
+  $('save_hand').hidden = !keptHand();
+  sayCalibration();
+}
+
+function closeCalibration() {
+  turning = null;
+  $('calibration').hidden = true;
+  $('tools').hidden = $('welcome').hidden === false;
+}
+
+async function sayCalibration() {
+  const { done } = turning;
+  $('turned').value = done;
+  if (done < 1) {
+    $('calibration_said').textContent =
+      'Spread the fingers, keep the hand stiff and turn it slowly left, right, up and down.';
+  } else if ($('length').hidden) {
+    $('length').hidden = false;
+    $('calibration_said').textContent = 'Its shape is learned. One length gives it its size.';
+    $('span_mm').value = Math.round(1000 * span_m(await hand.hand()));
+    $('span_mm').select();
+  }
+}
+
+async function takeLength() {
+  const measured = measuredHand(await hand.hand(), $('span_mm').valueAsNumber / 1000);
+  keepHand(measured);
+  await hand.setHand(measured);
+  closeCalibration();
+  tell('This is your hand now: lengths are its own.');
+}
+
+async function forgetHand() {
+  keepHand(null);
+  await hand.setHand(null);
+  closeCalibration();
+  tell('The hand is taken to be of average size.');
+}
+
+// --- Pictures and files
+
+function save(blob, name) {
+  const link = Object.assign(document.createElement('a'), { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+async function sharePicture() {
+  hand.renderer.render(hand.scene, hand.camera);
+  const picture = new OffscreenCanvas(canvas.width, canvas.height), pen = picture.getContext('2d');
+  if (stage.classList.contains('mirrored')) pen.setTransform(-1, 0, 0, 1, canvas.width, 0);
+  pen.drawImage(canvas, 0, 0);
+  const file = new File([await picture.convertToBlob({ type: 'image/png' })], 'handyar.png', { type: 'image/png' });
+  if (navigator.canShare?.({ files: [file] })) await navigator.share({ files: [file] }).catch(() => {});
+  else save(file, file.name);
+}
+
+// --- Buttons and keys
+
+const actions = {
+  start: startCamera, watch: watchRecorded, stop, switch: switchCamera, picture: sharePicture,
+  mirror: () => mirror(!stage.classList.contains('mirrored')),
+  model: () => $('file').click(),
+  calibrate: () => (turning ? closeCalibration() : openCalibration()),
+  forget_hand: forgetHand, close_calibration: closeCalibration,
+  save_hand: () => save(new Blob([JSON.stringify(keptHand(), null, 1)]), 'hand.json'),
+};
+for (const [id, action] of Object.entries(actions)) $(id).addEventListener('click', action);
+
+$('length').addEventListener('submit', (event) => {
+  event.preventDefault();
+  takeLength();
+});
+$('file').addEventListener('change', () => $('file').files.length && take($('file').files[0]));
+
+$('measure').addEventListener('pointerdown', () => measure(true));
+for (const end of ['pointerup', 'pointercancel', 'blur']) addEventListener(end, () => measure(false));
+
+const keys = {
+  f: 'mirror', c: 'switch', o: 'model', h: 'calibrate', p: 'picture', Escape: 'stop' };
+const turns_rad = {
+  ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
+
+addEventListener('keydown', (event) => {
+  if (!$('welcome').hidden || event.ctrlKey || event.metaKey || event.altKey || event.target.matches('input')) return;
+  const onMeasure = event.target.id === 'measure' && (event.key === ' ' || event.key === 'Enter');
+  if (event.key === 'm' || onMeasure) measure(true);
+  else if (turns_rad[event.key]) palm.turn(...turns_rad[event.key]);
+  else if (event.key === 'Escape' && turning) closeCalibration();
+  else if (keys[event.key] && !event.repeat) actions[keys[event.key]]();
+});
+addEventListener('keyup', () => measure(false));
+
+addEventListener('dragover', (event) => {
+  event.preventDefault();
+  document.body.classList.add('dropping');
+});
+for (const end of ['dragleave', 'drop']) addEventListener(end, () => document.body.classList.remove('dropping'));
+addEventListener('drop', (event) => {
+  event.preventDefault();
+  if (event.dataTransfer.files.length) take(event.dataTransfer.files[0]);
+});
+
+navigator.serviceWorker?.register('service_worker.js');

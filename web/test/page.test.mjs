@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// The page as a person meets it.
+import assert from 'node:assert/strict';
+import { before, test } from 'node:test';
+
+import { artefact, cameraClip, note, poses, skip, withPage } from './browser.mjs';
+
+const desktop = { viewport: { width: 1100, height: 700 }, colorScheme: 'dark' };
+const phone = { viewport: { width: 360, height: 740 }, colorScheme: 'light', hasTouch: true, isMobile: true };
+
+let camera;
+before(() => { if (!skip) camera = cameraClip(); });
+
+/** Everything that can be pressed or read lies within the window. */
+async function assertFits(page) {
+  const outside = await page.evaluate(() =>
+    [...document.querySelectorAll('section:not([hidden]), button, #said')].filter((element) => {
+      const box = element.getBoundingClientRect();
+      return box.width > 0 && (box.left < 0 || box.right > innerWidth || box.top < 0 || box.bottom > innerHeight);
+    }).map((element) => element.id));
+  assert.deepEqual(outside, []);
+}
+
+test('a hand before the camera is tracked', { skip }, () => withPage({ camera, ...desktop }, async (page) => {
+  await page.screenshot({ path: artefact('welcome.png') });
+  await note(page);
+  await page.keyboard.press('Tab');
+  await page.keyboard.press('Enter');  // the first button starts the camera
+  const tracked = await poses(page, 5);
+  await page.screenshot({ path: artefact('desktop.png') });
+  for (const T of tracked) {
+    assert.ok(T[14] > 0.2 && T[14] < 0.8, `the hand is ${T[14]} m away`);
+    assert.ok(T[10] < -0.3, 'its visible face looks at the camera');
+  }
+  assert.equal(await page.isVisible('#welcome'), false);
+  await assertFits(page);
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('#welcome:not([hidden])');
+}));
+
+test('a phone has room for it', { skip }, () => withPage({ camera, ...phone }, async (page) => {
+  await assertFits(page);
+  await page.screenshot({ path: artefact('phone_welcome.png') });
+  await note(page);
+  await page.tap('#start');
+  await poses(page, 3);
+  await page.screenshot({ path: artefact('phone.png') });
+  await assertFits(page);
+  await page.tap('#calibrate');
+  await assertFits(page);
+  await page.screenshot({ path: artefact('phone_calibration.png') });
+}));
+
+test('a refused camera is told of', { skip }, () => withPage({ camera: 'refused' }, async (page) => {
+  await page.click('#start');
+  await page.waitForSelector('#fault:not([hidden])');
+  assert.match(await page.textContent('#fault'), /refused.*Allow it/);
+  await page.screenshot({ path: artefact('refused.png') });
+}));
+
+test('without a camera there is a recorded hand', { skip }, () => withPage({}, async (page) => {
+  await page.click('#start');
+  await page.waitForSelector('#fault:not([hidden])');
+  assert.match(await page.textContent('#fault'), /No camera is connected.*recorded hand/);
+  await note(page);
+  await page.click('#watch');
+  await poses(page, 3);
+  assert.equal(await page.isVisible('#fault'), false);
+}));
+
+test('hidden and shown again, it goes on', { skip }, () => withPage({ camera }, async (page) => {
+  await note(page);
+  await page.click('#start');
+  await poses(page, 2);
+  const devtools = await page.context().newCDPSession(page);
+  await devtools.send('Page.setWebLifecycleState', { state: 'frozen' });
+  await new Promise((resolve) => setTimeout(resolve, 2000));
+  await devtools.send('Page.setWebLifecycleState', { state: 'active' });
+  await poses(page, 2);
+}));
+
+test('a model of one’s own is dropped on the page', { skip }, () => withPage({}, async (page) => {
+  const drop = (name, text) => page.evaluate(([file, content]) => {
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([content], file));
+    dispatchEvent(new DragEvent('drop', { dataTransfer, cancelable: true }));
+  }, [name, text]);
+  const corners = Buffer.from(new Float32Array([0, 0, 0, 2, 0, 0, 0, 1, 0]).buffer).toString('base64');
+  const triangle = {
+    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: 'VEC3', min: [0, 0, 0], max: [2, 1, 0] }],
+    bufferViews: [{ buffer: 0, byteLength: 36 }],
+    buffers: [{ byteLength: 36, uri: `data:application/octet-stream;base64,${corners}` }] };
+  await drop('triangle.gltf', JSON.stringify(triangle));
+  await page.waitForFunction(() => /triangle\.gltf stands on the hand/.test(said.textContent));
+  await drop('letter.gltf', 'Dear Sir');
+  await page.waitForFunction(() => /letter\.gltf cannot be shown: it is not glTF/.test(said.textContent));
+}));
+
+test('a hand is measured and remembered', { skip }, () => withPage({ camera }, async (page) => {
+  await note(page);
+  await page.click('#start');
+  await poses(page, 1);
+  await page.keyboard.press('h');
+  await page.waitForSelector('#length:not([hidden])');
+  await page.fill('#span_mm', '200');
+  await page.screenshot({ path: artefact('calibration.png') });
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => localStorage.getItem('handyar-hand'));
+  const hand = JSON.parse(await page.evaluate(() => localStorage.getItem('handyar-hand')));
+  const { thumb, little } = hand.tips_m;
+  assert.ok(Math.abs(Math.hypot(...thumb.map((x, i) => x - little[i])) - 0.2) < 1e-9);
+  assert.deepEqual([hand.source, hand.scale], ['self', 'measured']);
+  await poses(page, 2);
+  assert.equal(await page.evaluate(async () => (await (await import('./page.js')).hand.hand()).scale), 'measured');
+}));
+
+test('it works without a network once it was opened', { skip }, () => withPage({ camera }, async (page) => {
+  await page.evaluate(() => navigator.serviceWorker.ready);
+  await page.context().setOffline(true);
+  await page.reload();
+  await note(page);
+  await page.click('#start');
+  await poses(page, 1);
+}));
