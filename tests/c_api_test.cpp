@@ -9,6 +9,7 @@
 
 #include "hand_film.hpp"
 #include "handyar.h"
+#include "handyar/attachment.hpp"
 
 namespace handyar {
 namespace {
@@ -153,6 +154,24 @@ TEST(CApi, ShowsTheHandOfTheLastFrame) {
   auto hand = sized<handyar_hand>();
   ASSERT_EQ(handyar_get_hand(both.tracker.get(), &hand), HANDYAR_OK);
   EXPECT_EQ(hand.tips_m[2][1], both.film.tracker.hand().tips_m(1, 2));
+}
+
+TEST(CApi, TellsWhereAnObjectStands) {
+  BothFilm both;
+  double T[4][4];
+  EXPECT_EQ(handyar_get_attachment(both.tracker.get(), HANDYAR_AT_FACE, T), HANDYAR_NO_HAND);
+  both.play(30);
+  const handyar_attachment index_tip = HANDYAR_AT_TIP + 1;
+  ASSERT_EQ(handyar_get_attachment(both.tracker.get(), index_tip, T), HANDYAR_OK);
+  const Eigen::Isometry3d cpp =
+      T_hand_attachment(Attachment::index_tip, both.film.tracker.hand(), both.film.result);
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) EXPECT_EQ(T[row][column], cpp(row, column));
+  EXPECT_EQ(handyar_get_attachment(both.tracker.get(), HANDYAR_AT_TIP + 5, T),
+            HANDYAR_BAD_ARGUMENT);
+  EXPECT_EQ(handyar_get_attachment(both.tracker.get(), -1, T), HANDYAR_BAD_ARGUMENT);
+  handyar_reset(both.tracker.get());
+  EXPECT_EQ(handyar_get_attachment(both.tracker.get(), HANDYAR_AT_FACE, T), HANDYAR_NO_HAND);
 }
 
 TEST(CApi, ARefusedFrameHasAReasonAndNoPose) {

@@ -8,12 +8,14 @@
 #include <new>
 #include <numbers>
 
+#include "handyar/attachment.hpp"
 #include "handyar/tracker.hpp"
 
 using handyar::FrameStatus;
 
 struct handyar_tracker {
   handyar::HandTracker tracker;
+  handyar::TrackResult last = {};  // of the last frame that was not refused
 };
 
 namespace {
@@ -134,6 +136,12 @@ static_assert(int{HANDYAR_GRAY_UNSUPPORTED} == int(FrameStatus::gray_unsupported
 static_assert(int{HANDYAR_SIZE_UNSUPPORTED} == int(FrameStatus::size_unsupported));
 static_assert(int{HANDYAR_STRIDE_TOO_SMALL} == int(FrameStatus::stride_too_small));
 static_assert(int{HANDYAR_TIME_NOT_INCREASING} == int(FrameStatus::time_not_increasing));
+static_assert(int{HANDYAR_AT_FACE} == int(handyar::Attachment::face));
+static_assert(int{HANDYAR_AT_PALM} == int(handyar::Attachment::palm));
+static_assert(int{HANDYAR_AT_BACK} == int(handyar::Attachment::back));
+static_assert(int{HANDYAR_AT_WRIST} == int(handyar::Attachment::wrist));
+static_assert(int{HANDYAR_AT_BASE} == int(handyar::Attachment::thumb_base));
+static_assert(int{HANDYAR_AT_TIP} == int(handyar::Attachment::thumb_tip));
 static_assert(HANDYAR_FINGERS == handyar::kFingerCount && HANDYAR_WEBS == handyar::kValleyCount);
 
 handyar::HandModel to_cpp(const handyar_hand& h) {
@@ -187,12 +195,15 @@ handyar::ImageView to_cpp(const handyar_frame& f) {
           .chroma_stride_bytes = f.chroma_stride_bytes};
 }
 
+void write(const Eigen::Isometry3d& T, double (*rows)[4]) {
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) rows[row][column] = T.matrix()(row, column);
+}
+
 template <class Pose>
 handyar_pose to_c(const Pose& pose) {
   handyar_pose p{};
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column)
-      p.T_camera_hand[row][column] = pose.T_camera_hand.matrix()(row, column);
+  write(pose.T_camera_hand, p.T_camera_hand);
   for (int row = 0; row < 6; ++row)
     for (int column = 0; column < 6; ++column)
       p.covariance[row][column] = pose.covariance(row, column);
@@ -342,7 +353,9 @@ handyar_status handyar_create(const handyar_camera* camera, const handyar_hand* 
 void handyar_destroy(handyar_tracker* tracker) { delete tracker; }
 
 void handyar_reset(handyar_tracker* tracker) {
-  if (tracker != nullptr) tracker->tracker.reset();
+  if (tracker == nullptr) return;
+  tracker->tracker.reset();
+  tracker->last = {};
 }
 
 handyar_status handyar_process(handyar_tracker* tracker, const handyar_frame* frame, double time_s,
@@ -355,6 +368,7 @@ handyar_status handyar_process(handyar_tracker* tracker, const handyar_frame* fr
     return HANDYAR_BAD_ARGUMENT;
   }
   const handyar::TrackResult tracked = tracker->tracker.process(to_cpp(known), time_s);
+  if (tracked.status == FrameStatus::ok) tracker->last = tracked;
   give(to_c(tracked, tracker->tracker.hand()), result);
   return static_cast<handyar_status>(tracked.status);
 }
@@ -399,6 +413,18 @@ handyar_status handyar_get_hand(const handyar_tracker* tracker, handyar_hand* ha
   if (tracker == nullptr || hand == nullptr) return HANDYAR_BAD_ARGUMENT;
   if (!sized(hand)) return HANDYAR_BAD_SIZE;
   give(to_c(tracker->tracker.hand()), hand);
+  return HANDYAR_OK;
+}
+
+handyar_status handyar_get_attachment(const handyar_tracker* tracker, handyar_attachment where,
+                                      double T_hand_object[4][4]) {
+  if (tracker == nullptr || T_hand_object == nullptr || where < HANDYAR_AT_FACE ||
+      where >= handyar::kAttachmentCount)
+    return HANDYAR_BAD_ARGUMENT;
+  if (!tracker->last.pose) return HANDYAR_NO_HAND;
+  write(T_hand_attachment(static_cast<handyar::Attachment>(where), tracker->tracker.hand(),
+                          tracker->last),
+        T_hand_object);
   return HANDYAR_OK;
 }
 

@@ -220,6 +220,17 @@ HANDYAR_API handyar_status handyar_project(const handyar_camera* camera,
 HANDYAR_API handyar_status handyar_average_hand(handyar_hand* hand);
 HANDYAR_API handyar_status handyar_default_options(handyar_options* options);
 
+/* Places of the hand on which an object can stand: docs/conventions.md. */
+typedef int32_t handyar_attachment;
+enum {
+  HANDYAR_AT_FACE = 0, /* the middle of the visible face, be it palm or back */
+  HANDYAR_AT_PALM = 1, /* behind the hand when its back is seen */
+  HANDYAR_AT_BACK = 2, /* behind the hand when its palm is seen */
+  HANDYAR_AT_WRIST = 3,
+  HANDYAR_AT_BASE = 4, /* + finger: where the finger leaves the palm */
+  HANDYAR_AT_TIP = 9   /* + finger */
+};
+
 typedef struct handyar_tracker handyar_tracker;
 
 /* `hand` null: the average adult's, and the scale is assumed. `options` null: the usual. The camera
@@ -255,6 +266,13 @@ HANDYAR_API size_t handyar_get_outline(const handyar_tracker* tracker, float* xy
 
 /* The person's hand as far as it was learned, in the layout last tracked. */
 HANDYAR_API handyar_status handyar_get_hand(const handyar_tracker* tracker, handyar_hand* hand);
+
+/* The frame of an object that stands there, in the hand frame of the last frame's pose: +z up, away
+ * from the hand, for a fingertip along the finger; +x, which models look along, towards the wrist,
+ * for a fingertip out of the visible face. HANDYAR_NO_HAND when the last frame has no pose. */
+HANDYAR_API handyar_status handyar_get_attachment(const handyar_tracker* tracker,
+                                                  handyar_attachment where,
+                                                  double T_hand_object[4][4]);
 
 #ifdef __cplusplus
 }

@@ -10,8 +10,8 @@ const $ = (id) => document.getElementById(id);
 const stage = $('stage');
 
 export const hand = new HandThree({ container: stage, hand: keptHand() });
-const palm = hand.addAnchor('palm'), thumb = hand.addAnchor('thumb_tip'), index = hand.addAnchor('index_tip');
-palm.group.add(teapot());
+const stand = hand.addAnchor('face'), thumb = hand.addAnchor('thumb_tip'), index = hand.addAnchor('index_tip');
+stand.group.add(teapot());
 const canvas = hand.renderer.domElement;
 
 let teller = new Teller();
@@ -96,8 +96,8 @@ hand.onError = (error) => tell(error.message);
 async function take(file) {
   try {
     const model = await modelFrom(file);
-    palm.group.clear();
-    palm.group.add(model);
+    stand.group.clear();
+    stand.group.add(model);
     tell(`${file.name} stands on the hand.`);
   } catch (error) {
     tell(error.message, 8);
@@ -128,7 +128,7 @@ function drawRuler() {
   const a = onPage(from), b = onPage(to), line = $('ruler').firstElementChild;
   Object.entries({ x1: a.x, y1: a.y, x2: b.x, y2: b.y }).forEach(([key, x]) => line.setAttribute(key, x));
   const apart_mm = Math.round(1000 * from.distanceTo(to));
-  const away_cm = Math.round(100 * palm.group.position.distanceTo(new Vector3()));
+  const away_cm = Math.round(100 * stand.group.position.distanceTo(new Vector3()));
   const assumed = keptHand() ? '' : ' (if the hand is of average size)';
   tell(`Thumb to index ${apart_mm} mm, ${away_cm} cm away${assumed}`, 2);
 }
@@ -227,7 +227,7 @@ addEventListener('keydown', (event) => {
   if (!$('welcome').hidden || event.ctrlKey || event.metaKey || event.altKey || event.target.matches('input')) return;
   const onMeasure = event.target.id === 'measure' && (event.key === ' ' || event.key === 'Enter');
   if (event.key === 'm' || onMeasure) measure(true);
-  else if (turns_rad[event.key]) palm.turn(...turns_rad[event.key]);
+  else if (turns_rad[event.key]) stand.turn(...turns_rad[event.key]);
   else if (event.key === 'Escape' && turning) closeCalibration();
   else if (keys[event.key] && !event.repeat) actions[keys[event.key]]();
 });

@@ -1,37 +1,13 @@
 // SPDX-License-Identifier: MIT
 import { Group, Matrix4, Quaternion, Vector3 } from 'three';
 
-import { FINGERS } from './memory.js';
+import { PLACES } from './memory.js';
 
 const LOST_AFTER_s = 0.2;
 const GLIDE_s = 0.5;
-const REACH_m = 0.3;  // no place on a hand is farther from its origin
 
-// At every place +y is out of the visible face and +z towards the wrist, so that a model with its
-// feet at the origin stands on the hand and looks at who holds it.
-const R_hand_place = new Matrix4().set(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1);
-
-export const PLACES = ['palm', ...FINGERS.map((finger) => `${finger}_tip`), 'wrist'];
-
-/** Where a pixel's ray meets the plane of the fingertips, in the hand frame; null: nowhere near. */
-function onFingertipPlane({ x_px, y_px }, { T_gl_hand, camera }) {
-  const T_hand_gl = T_gl_hand.clone().invert();
-  const eye = new Vector3().applyMatrix4(T_hand_gl);
-  const ray = new Vector3((x_px - camera.cx_px) / camera.fx_px, -(y_px - camera.cy_px) / camera.fy_px, -1)
-    .transformDirection(T_hand_gl);
-  const point = eye.addScaledVector(ray, -eye.z / ray.z);
-  return point.length() < REACH_m ? point : null;
-}
-
-/** A place in the hand frame, or null while it is not known. */
-function locate(place, { result, camera }, T_gl_hand) {
-  const palm = new Vector3(...result.palm_centre_m);
-  if (place === 'palm') return palm;
-  // Of the way from the thumb tip's height to the crease of the wrist the palm centre is a quarter.
-  if (place === 'wrist') return palm.multiplyScalar(4);
-  const tip = result.tips[PLACES.indexOf(place) - 1];
-  return tip.seen || tip.inferred ? onFingertipPlane(tip, { T_gl_hand, camera }) : null;
-}
+// The tracker's objects have +z up and look along +x, those of three.js +y up and look along +z.
+const R_object_model = new Matrix4().set(0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1);
 
 /** A place on the hand. What is put into its group follows the hand. */
 export class Anchor {
@@ -63,14 +39,14 @@ export class Anchor {
   /** What a picture showed. A pose in doubt moves nothing. */
   take(tracked, now_s) {
     const { pose, doubtful } = tracked.result;
+    const T_hand_object = tracked.places[this.#place];
     this.#target = null;
-    if (!pose || doubtful) return;
-    const T_gl_hand = new Matrix4().fromArray(pose.T_gl_hand);
-    const place = locate(this.#place, tracked, T_gl_hand);
-    if (place === null) return;
-    const position = place.applyMatrix4(T_gl_hand);
-    const rotation = new Quaternion().setFromRotationMatrix(T_gl_hand.multiply(R_hand_place));
-    this.#target = { position, rotation };
+    if (!T_hand_object || doubtful) return;
+    const T_gl_model = new Matrix4().fromArray(pose.T_gl_hand)
+      .multiply(new Matrix4().fromArray(T_hand_object)).multiply(R_object_model);
+    this.#target = {
+      position: new Vector3().setFromMatrixPosition(T_gl_model),
+      rotation: new Quaternion().setFromRotationMatrix(T_gl_model) };
     this.#seen_s = now_s;
   }
 

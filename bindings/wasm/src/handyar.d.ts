@@ -9,6 +9,13 @@ export type FingerName = 'thumb' | 'index' | 'middle' | 'ring' | 'little';
 /** The order of `Result.tips`. */
 export const FINGERS: readonly FingerName[];
 
+/**
+ * Where an object can stand. `face`: the middle of the visible face; `palm` and `back`: of that face,
+ * behind the hand when the other one is seen; bases: where the fingers leave the palm.
+ */
+export type Place = 'face' | 'palm' | 'back' | 'wrist' | `${FingerName}_base` | `${FingerName}_tip`;
+export const PLACES: readonly Place[];
+
 /** `searching`: no hand. `acquiring`: fingertips, not yet confirmed. `lost`: was tracking, trying to recover. */
 export type State = 'searching' | 'acquiring' | 'tracking' | 'lost';
 /** On which side the thumb is when the visible face is looked at with the fingers up. */
@@ -132,6 +139,13 @@ export class HandTracker {
   /** The hand's silhouette in the last picture; null without a hand. */
   mask(): Mask | null;
 
+  /**
+   * The frame of an object that stands there, in the hand's frame, as of the last picture; moves with
+   * the finger. +z is up: away from the hand, for a fingertip along the finger; +x towards the wrist,
+   * for a fingertip out of the visible face. null without a pose.
+   */
+  T_hand_object(place: Place): Float64Array | null;
+
   /** The person's hand as far as it was learned, in the layout last tracked. */
   hand(): Hand | null;
 
@@ -148,11 +162,15 @@ export interface Tracked {
   frame: VideoFrame;
   result: Result;
   mask: Mask | null;
+  /** T_hand_object of the wanted places; empty without a pose. */
+  places: Partial<Record<Place, Float64Array>>;
   /** Of pictures of this size. */
   camera: Camera;
 }
 
 export interface LiveOptions extends Options {
+  /** Places to be told of with every picture. */
+  places?: Place[];
   onFrame?: (tracked: Tracked) => void;
   /** A picture could not be processed. */
   onError?: (error: Error) => void;
@@ -169,6 +187,8 @@ export class LiveTracker {
   stop(): void;
   /** The pose expected at `time_s` (performance.now() / 1000), or null without a hand. */
   predict(time_s: number): Pose | null;
+  /** Places to be told of from the next picture on. */
+  places: Place[];
   /** As HandTracker. */
   hand(): Promise<Hand | null>;
   setHand(hand: Hand | null): Promise<void>;

@@ -2,13 +2,14 @@
 // A bare outstretched hand, used like a printed AR marker. What everything means is said in
 // handyar.d.ts.
 import {
-  Library, readHandStruct, readMask, readPose, readResult, writeCamera, writeFrame, writeHand,
+  Library, PLACES, readHandStruct, readMask, readPose, readResult, readTransform, writeCamera,
+  writeFrame, writeHand,
 } from './memory.js';
 
 export { readCamera, readHand } from './files.js';
 export { LiveTracker } from './live.js';
 export { predictPose, projectionMatrix } from './pose.js';
-export { FINGERS } from './memory.js';
+export { FINGERS, PLACES } from './memory.js';
 
 export function cameraFromFieldOfView(width_px, height_px, fov_rad = Math.PI / 3) {
   const f_px = 0.5 * Math.max(width_px, height_px) / Math.tan(0.5 * fov_rad);
@@ -47,7 +48,7 @@ export class HandTracker {
   #given;             // camera, or null: a field of view is assumed of pictures of any size; hand
   #camera = null;     // of pictures of the last size
   #tracker = 0;       // made for the first picture
-  #tracker_address;   // where handyar_create() writes it
+  #answer;            // where functions write what is no struct
   #structs;
   #pixels = { address: 0, length: 0 };
   #pictures = new PictureReader();
@@ -57,7 +58,7 @@ export class HandTracker {
     const library = await Library.load(wasm);
     tracker.#library = library;
     tracker.#given = { camera, hand };
-    tracker.#tracker_address = library.allocate(4);
+    tracker.#answer = library.allocate(16 * 8);
     tracker.#structs = Object.fromEntries(
       ['camera', 'hand', 'frame', 'result', 'pose', 'mask'].map((name) => [name, library.make(name)]));
     return tracker;
@@ -90,6 +91,14 @@ export class HandTracker {
     const known = this.#tracker !== 0 &&
       this.#library.call('get_mask', this.#tracker, mask.address);
     return known ? readMask(this.#library, mask) : null;
+  }
+
+  T_hand_object(place) {
+    const where = PLACES.indexOf(place);
+    if (where < 0) throw new Error(`there is no ${place} on a hand, only ${PLACES.join(', ')}`);
+    const known = this.#tracker !== 0 &&
+      this.#library.call('get_attachment', this.#tracker, where, this.#answer);
+    return known ? readTransform(this.#library, this.#answer) : null;
   }
 
   hand() {
@@ -126,9 +135,8 @@ export class HandTracker {
     const { camera, hand: hand_struct } = this.#structs;
     writeCamera(camera, this.#camera);
     if (hand) writeHand(hand_struct, hand);
-    this.#library.call(
-      'create', camera.address, hand ? hand_struct.address : 0, 0, this.#tracker_address);
-    this.#tracker = this.#library.view().getInt32(this.#tracker_address, true);
+    this.#library.call('create', camera.address, hand ? hand_struct.address : 0, 0, this.#answer);
+    this.#tracker = this.#library.view().getInt32(this.#answer, true);
   }
 
   #forget() {

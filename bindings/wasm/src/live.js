@@ -8,6 +8,7 @@ const MOST_PREDICTED_s = 0.25;  // as the tracker itself
  * comes in while the worker is busy is left out, all but the last.
  */
 export class LiveTracker {
+  places;
   #video;
   #worker;
   #onFrame;
@@ -21,9 +22,10 @@ export class LiveTracker {
   #pose = null;
   #stopped = false;
 
-  static async start(video, { camera, hand, wasm, onFrame, onError } = {}) {
+  static async start(video, { camera, hand, wasm, places = [], onFrame, onError } = {}) {
     const live = new LiveTracker();
     live.#video = video;
+    live.places = places;
     live.#onFrame = onFrame ?? (() => {});
     live.#onError = onError ?? console.error;
     live.#worker = new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
@@ -80,7 +82,7 @@ export class LiveTracker {
     const frame = new VideoFrame(this.#video, { timestamp: Math.round(1e6 * time_s) });
     const sent = frame.clone();
     try {
-      const tracked = await this.#ask('process', { frame: sent, time_s }, [sent]);
+      const tracked = await this.#ask('process', { frame: sent, time_s, places: this.places }, [sent]);
       this.#pose = tracked.result.pose;
       this.#onFrame({ ...tracked, frame });
     } catch (error) {

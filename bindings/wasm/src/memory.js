@@ -11,6 +11,11 @@ const SIDES = [null, 'left', 'right'];
 const SOURCES = ['checkerboard', 'default', 'self', 'truth'];
 export const FINGERS = ['thumb', 'index', 'middle', 'ring', 'little'];
 
+// Places of the hand, in the order of handyar.h.
+export const PLACES = [
+  'face', 'palm', 'back', 'wrist', ...FINGERS.map((finger) => `${finger}_base`),
+  ...FINGERS.map((finger) => `${finger}_tip`)];
+
 /** `wasm`: a compiled module, its bytes, or where it lies; by default what came with the package. */
 async function compile(wasm = new URL('../dist/handyar.wasm', import.meta.url)) {
   if (wasm instanceof WebAssembly.Module) return wasm;
@@ -180,9 +185,17 @@ export function writeFrame(struct, width_px, height_px, data) {
   struct.setInt('stride_bytes', 4 * width_px);
 }
 
+/** A column-major matrix from 16 numbers, row after row. */
+function columnMajor(rows) {
+  return Float64Array.from(rows, (_, i) => rows[4 * (i % 4) + (i >> 2)]);
+}
+
+export function readTransform(library, address) {
+  return columnMajor(Array.from({ length: 16 }, (_, i) => library.view().getFloat64(address + 8 * i, true)));
+}
+
 export function readPose(struct) {
-  const rows = struct.doubles('T_camera_hand', 16);
-  const T_camera_hand = Float64Array.from(rows, (_, i) => rows[4 * (i % 4) + (i >> 2)]);
+  const T_camera_hand = columnMajor(struct.doubles('T_camera_hand', 16));
   const covariance = Float64Array.from(struct.doubles('covariance', 36));
   const sigma = (first) =>
     Math.sqrt((covariance[7 * first] + covariance[7 * first + 7] + covariance[7 * first + 14]) / 3);

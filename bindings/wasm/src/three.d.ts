@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
 import type { Camera, DirectionalLight, Group, Scene, WebGLRenderer } from 'three';
 
-import type { Hand, Options, Pose, Tracked } from './handyar.js';
-
-export type Place = 'palm' | 'thumb_tip' | 'index_tip' | 'middle_tip' | 'ring_tip' | 'little_tip' | 'wrist';
-export const PLACES: readonly Place[];
+import type { Hand, Options, Place, Pose, Tracked } from './handyar.js';
 
 /**
- * A place on the hand. What is put into `group` follows the hand: metres, +y out of the visible face,
- * +z towards the wrist, so that a model with its feet at the origin stands on the hand and looks at
- * who holds it. When the hand is lost it stays where it was last and can be turned with the pointer;
+ * A place on the hand. What is put into `group` follows the hand: metres, +y up from the hand (for a
+ * fingertip: along the finger), +z towards the wrist, so that a model with its feet at the origin
+ * stands on the hand and looks at who holds it. When the hand is lost it stays where it was last and can be turned with the pointer;
  * when the hand is seen again it glides back within half a second. To hide it instead:
  * `anchor.onLost = () => { anchor.group.visible = false; }`.
  */

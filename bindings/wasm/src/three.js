@@ -4,12 +4,12 @@
 import { Camera, DirectionalLight, HemisphereLight, SRGBColorSpace, Scene, Vector2, Vector3,
   VideoFrameTexture, WebGLRenderer } from 'three';
 
-import { Anchor, PLACES } from './anchor.js';
+import { Anchor } from './anchor.js';
 import { HandSurface } from './hand_surface.js';
 import { LiveTracker } from './live.js';
 import { projectionMatrix } from './pose.js';
 
-export { Anchor, PLACES };
+export { Anchor };
 
 const TURN_rad_px = 0.01;
 const lamp_m = new Vector3(0.08, 0.3, 0.4);  // of the lamp from the hand: above the camera
@@ -58,7 +58,7 @@ export class HandThree {
     try {
       await this.#video.play();
       this.#live = await LiveTracker.start(this.#video, {
-        ...this.#options, onFrame: (tracked) => this.#take(tracked),
+        ...this.#options, places: this.#places(), onFrame: (tracked) => this.#take(tracked),
         onError: (error) => this.onError(error) });
     } catch (error) {
       this.stop();
@@ -85,6 +85,7 @@ export class HandThree {
     const anchor = new Anchor(place);
     this.#anchors.push(anchor);
     this.scene.add(anchor.group);
+    if (this.#live) this.#live.places = this.#places();
     return anchor;
   }
 
@@ -99,6 +100,10 @@ export class HandThree {
 
   predict(time_s) {
     return this.#live?.predict(time_s) ?? null;
+  }
+
+  #places() {
+    return [...new Set(this.#anchors.map((anchor) => anchor.place))];
   }
 
   #prepareCanvas() {

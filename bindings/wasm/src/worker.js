@@ -8,11 +8,12 @@ const answers = {
   async create({ options }) {
     tracker = await HandTracker.create(options);
   },
-  process({ frame, time_s }) {
+  process({ frame, time_s, places }) {
     try {
       const result = tracker.process(frame, time_s);
-      const mask = tracker.mask();
-      return { result, mask, camera: tracker.camera };
+      const known = result.pose ? places.map((place) => [place, tracker.T_hand_object(place)]) : [];
+      return {
+        result, mask: tracker.mask(), places: Object.fromEntries(known), camera: tracker.camera };
     } finally {
       frame.close();
     }

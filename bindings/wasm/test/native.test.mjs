@@ -8,7 +8,7 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 
-import { HandTracker, readCamera, readHand } from '../src/handyar.js';
+import { HandTracker, predictPose, readCamera, readHand } from '../src/handyar.js';
 import { alongClip, data, program } from './clip.mjs';
 
 const canDecode = (() => {
@@ -64,3 +64,25 @@ for (const { clip, calibrated, tracked } of [
     assert.ok(quantile(apart_rad, 0.5) < 5e-3, `poses are ${quantile(apart_rad, 0.5)} rad apart`);
   });
 }
+
+test('places and predictions go with the pose', { skip }, async () => {
+  const camera = readCamera(readFileSync(data('sample/camera.yml'), 'utf8'));
+  const tracker = await HandTracker.create({ camera });
+  assert.equal(tracker.T_hand_object('index_tip'), null);
+  const off_px = [], apart_m = [];
+  alongClip('sample/video.mp4', ['--camera', data('sample/camera.yml')], (picture, row) => {
+    const result = tracker.process(picture, Number(row.time_s));
+    if (!result.pose || result.doubtful) return;
+    const T = result.pose.T_camera_hand, t = tracker.T_hand_object('index_tip').slice(12, 15);
+    const [x, y, z] = [0, 1, 2].map((i) => T[i] * t[0] + T[4 + i] * t[1] + T[8 + i] * t[2] + T[12 + i]);
+    const tip = result.tips[1];
+    off_px.push(Math.hypot(618 * x / z + 322.38 - tip.x_px, 618 * y / z + 236.94 - tip.y_px));
+    const later_s = result.time_s + 0.05;
+    const ours = predictPose(result.pose, later_s).T_camera_hand;
+    const theirs = tracker.predict(later_s).T_camera_hand;
+    apart_m.push(Math.hypot(...[12, 13, 14].map((i) => ours[i] - theirs[i])));
+  });
+  assert.ok(quantile(off_px, 0.9) < 6, `the object is ${quantile(off_px, 0.9)} px off the fingertip`);
+  assert.ok(quantile(apart_m, 0.9) < 1e-3, `predictions are ${quantile(apart_m, 0.9)} m apart`);
+  assert.throws(() => tracker.T_hand_object('elbow'), /no elbow on a hand/);
+});
