@@ -34,16 +34,17 @@ CalibrationView looked_from(double about_x, double about_y, double x_m = 0, doub
 TEST(Coverage, TellsTheSides) {
   struct Case {
     double about_x, about_y;
-    Side side;
+    BoardSide side;
   };
   // The board's far edge sinks away (turned about x by a negative angle) when the camera comes from
   // the near side; its right edge goes away (about y, negative) when it comes from the left.
-  for (const Case& c : {Case{0, 0, Side::above}, Case{-0.5, 0, Side::near}, Case{0.5, 0, Side::far},
-                        Case{0, -0.5, Side::left}, Case{0, 0.5, Side::right}}) {
+  for (const Case& c :
+       {Case{0, 0, BoardSide::above}, Case{-0.5, 0, BoardSide::near}, Case{0.5, 0, BoardSide::far},
+        Case{0, -0.5, BoardSide::left}, Case{0, 0.5, BoardSide::right}}) {
     Coverage coverage(Scene{}.board, kSize);
     coverage.add(looked_from(c.about_x, c.about_y));
     for (int s = 0; s < kSideCount; ++s)
-      EXPECT_EQ(coverage.views_from(static_cast<Side>(s)), static_cast<Side>(s) == c.side)
+      EXPECT_EQ(coverage.views_from(static_cast<BoardSide>(s)), static_cast<BoardSide>(s) == c.side)
           << "turned by " << c.about_x << ", " << c.about_y << ", side " << kSideNames[s];
   }
 }

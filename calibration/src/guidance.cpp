@@ -20,15 +20,16 @@ const cv::Scalar kOrange(60, 160, 255);
 
 // The camera stands where the board's normal does not point: a board whose normal leans to the
 // right of the ray is seen from its left.
-Side side_of(const Viewpoint& v, const Camera& camera) {
+BoardSide side_of(const Viewpoint& v, const Camera& camera) {
   const Eigen::Vector3d ray =
       camera.unproject({v.centre.x() * camera.width_px, v.centre.y() * camera.height_px})
           .homogeneous()
           .normalized();
-  if (std::acos(std::clamp(-ray.dot(v.normal), -1.0, 1.0)) < kTilted_rad) return Side::above;
+  if (std::acos(std::clamp(-ray.dot(v.normal), -1.0, 1.0)) < kTilted_rad) return BoardSide::above;
   const Eigen::Vector3d lean = v.normal + ray;
-  if (std::abs(lean.x()) > std::abs(lean.y())) return lean.x() > 0 ? Side::left : Side::right;
-  return lean.y() > 0 ? Side::far : Side::near;
+  if (std::abs(lean.x()) > std::abs(lean.y()))
+    return lean.x() > 0 ? BoardSide::left : BoardSide::right;
+  return lean.y() > 0 ? BoardSide::far : BoardSide::near;
 }
 
 void write(cv::Mat& image, const std::string& line, cv::Point at, const cv::Scalar& colour,
@@ -49,7 +50,7 @@ void draw_sides(cv::Mat& panel, const Coverage& coverage, cv::Point centre, int 
       centre, centre - cv::Point(radius, 0), centre + cv::Point(radius, 0),
       centre + cv::Point(0, radius), centre - cv::Point(0, radius)};
   for (int s = 0; s < kSideCount; ++s) {
-    const bool enough = coverage.views_from(static_cast<Side>(s)) >= kEnoughFromOneSide;
+    const bool enough = coverage.views_from(static_cast<BoardSide>(s)) >= kEnoughFromOneSide;
     cv::circle(panel, at[s], radius / 3, enough ? kGreen : kGrey, cv::FILLED, cv::LINE_AA);
   }
 }
@@ -121,7 +122,7 @@ std::string advice(const Coverage& coverage, const CalibrationView& now) {
     return "Lay the hand beside the board, fingers spread, and show both.";
   if (coverage.sides_seen() < Coverage::kSidesWanted)
     for (int s = 0; s < kSideCount; ++s)
-      if (coverage.views_from(static_cast<Side>(s)) < kEnoughFromOneSide)
+      if (coverage.views_from(static_cast<BoardSide>(s)) < kEnoughFromOneSide)
         return text("Look from %s.", std::string(kSideNames[s]).c_str());
   if (coverage.cells_share() < Coverage::kCellsWanted)
     return text("Bring the board to the %s of the picture.", emptiest_place(coverage).c_str());

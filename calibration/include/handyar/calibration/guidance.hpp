@@ -11,7 +11,7 @@
 namespace handyar {
 
 /// From where the board was looked at, as the person with the camera says it.
-enum class Side : std::uint8_t { above, left, right, near, far };
+enum class BoardSide : std::uint8_t { above, left, right, near, far };
 inline constexpr int kSideCount = 5;
 inline constexpr std::array<std::string_view, kSideCount> kSideNames = {
     "above", "the left", "the right", "the near side", "the far side"};
@@ -31,7 +31,7 @@ class Coverage {
 
   int views() const { return static_cast<int>(viewpoints_.size()); }
   int hand_views() const { return hand_views_; }  ///< of these, with the hand
-  int views_from(Side side) const { return sides_[static_cast<int>(side)]; }
+  int views_from(BoardSide side) const { return sides_[static_cast<int>(side)]; }
   bool cell(int column, int row) const { return cells_[row * kColumns + column]; }
   double cells_share() const;
   int sides_seen() const;
