@@ -20,6 +20,7 @@ class CalibrationSession {
   const CalibrationView& add(const cv::Mat& bgr, const TrackResult& result,
                              const HandModel& learned);
 
+  const Board& board() const { return board_; }
   const std::vector<CalibrationView>& views() const { return views_; }
   const Coverage& coverage() const { return coverage_; }
 

@@ -19,8 +19,7 @@ namespace handyar::render {
 /// dictionaries of both and gives their corners in one order and refined in one way.
 class MarkerWorld {
  public:
-  /// The dictionaries must be known (dictionary_number). Throws io::Error where the program was
-  /// built without what finds markers.
+  /// The dictionaries must be known (dictionary_number).
   explicit MarkerWorld(std::vector<SceneMarker> markers);
   ~MarkerWorld();
   MarkerWorld(MarkerWorld&&) noexcept;
