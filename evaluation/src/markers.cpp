@@ -22,6 +22,7 @@ namespace {
 class ArucoFinder final : public MarkerFinder {
  public:
   explicit ArucoFinder(const Marker& marker) : marker_(marker) {
+    require_aruco();
     const std::optional<int> number = dictionary_number(marker.dictionary);
     if (!number) throw std::invalid_argument("no such marker dictionary: " + marker.dictionary);
     dictionary_ = *number;

@@ -204,6 +204,7 @@ struct MarkerWorld::Impl {
 };
 
 MarkerWorld::MarkerWorld(std::vector<SceneMarker> markers) : impl_(std::make_unique<Impl>()) {
+  if (!markers.empty()) require_aruco();
   for (SceneMarker& m : markers) {
     Impl::Entry e{m, {}, 0};
     if (m.T_world_marker) e.T_world_marker = {*m.T_world_marker, 1};

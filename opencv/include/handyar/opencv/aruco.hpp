@@ -28,7 +28,12 @@ struct SeenMarker {
   std::vector<cv::Point2f> corners_px;  ///< in the order of marker_corners_m
 };
 
+/// Throws io::Error in a program that was built without OpenCV's ArUco: it is in OpenCV's contrib
+/// modules, which are large and which only markers need.
+void require_aruco();
+
 /// The markers of a dictionary in a grey or BGR picture, corners refined to sub-pixel.
+/// Throws like require_aruco.
 std::vector<SeenMarker> detect_markers(const cv::Mat& picture, int dictionary_number);
 
 }  // namespace handyar

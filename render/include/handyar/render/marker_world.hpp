@@ -19,7 +19,8 @@ namespace handyar::render {
 /// dictionaries of both and gives their corners in one order and refined in one way.
 class MarkerWorld {
  public:
-  /// The dictionaries must be known (dictionary_number).
+  /// The dictionaries must be known (dictionary_number). Throws io::Error where the program was
+  /// built without what finds markers.
   explicit MarkerWorld(std::vector<SceneMarker> markers);
   ~MarkerWorld();
   MarkerWorld(MarkerWorld&&) noexcept;
