@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { readHand } from 'handyar';
 import { HandThree } from 'handyar/three';
 import { Vector3 } from 'three';
 
@@ -48,10 +49,14 @@ async function start(begin) {
     show(true);
     mirror(!recorded && hand.facing === 'user');
   } catch (error) {
-    show(false);
-    $('fault').textContent = cameraFault(error);
-    $('fault').hidden = false;
+    fail(error);
   }
+}
+
+function fail(error) {
+  show(false);
+  $('fault').textContent = cameraFault(error);
+  $('fault').hidden = false;
 }
 
 function startCamera() {
@@ -89,12 +94,24 @@ hand.onUpdate = ({ result }) => {
   if (turning) sayCalibration();
   if (performance.now() > notice.until_ms) say(teller.say(result, recorded));
 };
-hand.onError = (error) => tell(error.message);
+hand.onError = (error) => (error.name === 'NotReadableError' ? fail(error) : tell(error.message));
 
 // --- The model
 
+async function takeHand(file) {
+  const measured = readHand(await file.text(), file.name);
+  keepHand(measured);
+  await hand.setHand(measured);
+  tell(`${file.name} is your hand now.`);
+}
+
+/** A file that was chosen or dropped: a model, or a hand that was measured. */
 async function take(file) {
   try {
+    if (file.name.endsWith('.json')) {
+      await takeHand(file);
+      return;
+    }
     const model = await modelFrom(file);
     stand.group.clear();
     stand.group.add(model);

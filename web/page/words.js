@@ -11,7 +11,7 @@ export function cameraFault(error) {
     case 'OverconstrainedError':
       return 'No camera is connected. Connect one and start again, or watch a recorded hand.';
     case 'NotReadableError':
-      return 'The camera does not answer: another program may be using it.';
+      return 'The camera does not answer: it was disconnected, or another program is using it.';
     default:
       return `It did not start: ${error.message}`;
   }

@@ -1,15 +1,25 @@
 // SPDX-License-Identifier: MIT
 // The page as a person meets it.
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { before, test } from 'node:test';
 
+import { alongClip, program } from '../../bindings/wasm/test/clip.mjs';
 import { artefact, cameraClip, note, poses, skip, withPage } from './browser.mjs';
 
 const desktop = { viewport: { width: 1100, height: 700 }, colorScheme: 'dark' };
 const phone = { viewport: { width: 360, height: 740 }, colorScheme: 'light', hasTouch: true, isMobile: true };
 
 let camera;
-before(() => { if (!skip) camera = cameraClip(); });
+const programs_m = [];  // where the program, if it is built, has the hand in the same clip
+before(() => {
+  if (skip) return;
+  camera = cameraClip();
+  if (!program) return;
+  alongClip('sample/video.mp4', [], (_, row) => {
+    if (row.tx_m) programs_m.push([row.tx_m, row.ty_m, row.tz_m].map(Number));
+  });
+});
 
 /** Everything that can be pressed or read lies within the window. */
 async function assertFits(page) {
@@ -29,9 +39,17 @@ test('a hand before the camera is tracked', { skip }, () => withPage({ camera, .
   const tracked = await poses(page, 5);
   await page.screenshot({ path: artefact('desktop.png') });
   for (const T of tracked) {
-    assert.ok(T[14] > 0.2 && T[14] < 0.8, `the hand is ${T[14]} m away`);
+    const off_m = Math.min(...programs_m.map((p) => Math.hypot(p[0] - T[12], p[1] - T[13], p[2] - T[14])));
+    assert.ok(!program || off_m < 0.02, `the program has the hand ${off_m} m from here`);
     assert.ok(T[10] < -0.3, 'its visible face looks at the camera');
   }
+  await page.keyboard.down('m');
+  await page.waitForFunction(() => /^Thumb to index \d+ mm, \d+ cm away/.test(said.textContent));
+  await page.keyboard.up('m');
+  const download = page.waitForEvent('download');
+  await page.keyboard.press('p');
+  const picture = readFileSync(await (await download).path());
+  assert.equal(picture.toString('latin1', 1, 4), 'PNG');
   assert.equal(await page.isVisible('#welcome'), false);
   await assertFits(page);
   await page.keyboard.press('Escape');
@@ -94,6 +112,8 @@ test('a model of one’s own is dropped on the page', { skip }, () => withPage({
     buffers: [{ byteLength: 36, uri: `data:application/octet-stream;base64,${corners}` }] };
   await drop('triangle.gltf', JSON.stringify(triangle));
   await page.waitForFunction(() => /triangle\.gltf stands on the hand/.test(said.textContent));
+  await drop('hand.json', '{}');
+  await page.waitForFunction(() => /hand\.json: format is not handyar-hand/.test(said.textContent));
   await drop('letter.gltf', 'Dear Sir');
   await page.waitForFunction(() => /letter\.gltf cannot be shown: it is not glTF/.test(said.textContent));
 }));

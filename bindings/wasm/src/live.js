@@ -23,6 +23,8 @@ export class LiveTracker {
   #stopped = false;
 
   static async start(video, { camera, hand, wasm, places = [], onFrame, onError } = {}) {
+    if (!globalThis.VideoFrame || !video.requestVideoFrameCallback)
+      throw new Error('this browser is too old: it does not hand out the pictures of a video');
     const live = new LiveTracker();
     live.#video = video;
     live.places = places;
@@ -79,16 +81,17 @@ export class LiveTracker {
     this.#last_time_s = time_s;
     // The picture that is shown is the one that the pose belongs to: one copy goes to the worker,
     // the other stays until the answer comes.
-    const frame = new VideoFrame(this.#video, { timestamp: Math.round(1e6 * time_s) });
-    const sent = frame.clone();
+    let frame = null;
     try {
+      frame = new VideoFrame(this.#video, { timestamp: Math.round(1e6 * time_s) });
+      const sent = frame.clone();
       const tracked = await this.#ask('process', { frame: sent, time_s, places: this.places }, [sent]);
       this.#pose = tracked.result.pose;
       this.#onFrame({ ...tracked, frame });
     } catch (error) {
       if (!this.#stopped) this.#onError(error);
     } finally {
-      frame.close();
+      frame?.close();
       this.#busy = false;
     }
     if (this.#newest !== null && !this.#stopped) this.#track(this.#newest);

@@ -51,6 +51,7 @@ export class HandThree {
   readonly facing: 'user' | 'environment';
   /** A picture was tracked. */
   onUpdate: ((tracked: Tracked) => void) | null;
+  /** A picture could not be tracked; NotReadableError: the camera was disconnected, and all is stopped. */
   onError: (error: Error) => void;
   /**
    * Begins with the camera, or with a video that lies at `src`. Rejects with what getUserMedia()

@@ -54,6 +54,10 @@ export class HandThree {
       this.#video.srcObject = await navigator.mediaDevices.getUserMedia({
         audio: false,
         video: { facingMode: this.#facing, width: { ideal: 640 }, height: { ideal: 480 } } });
+      this.#video.srcObject.getVideoTracks()[0].onended = () => {
+        this.stop();
+        this.onError(new DOMException('the camera was disconnected', 'NotReadableError'));
+      };
     }
     try {
       await this.#video.play();
