@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
-#include <cmath>
+#include <Eigen/Cholesky>
 
 #include "align/silhouette.hpp"
 #include "track/tracker_state.hpp"
@@ -46,11 +45,14 @@ void HandTracker::Impl::report(TrackResult& result) noexcept {
     result.tips[f] = shown(posed.tips_m.col(f), state.T_camera_hand, camera);
   for (int k = 0; k < kValleyCount; ++k)
     result.webs[k] = shown(posed.centres_m.col(kFirstWeb + k), state.T_camera_hand, camera);
-  const HandMatrix& H = best.alignment.information;
+  const HandVector sigma = best.alignment.information.llt()
+                               .solve(HandMatrix::Identity())
+                               .diagonal()
+                               .cwiseMax(0)
+                               .cwiseSqrt();
   for (int f = 0; f < kFingerCount; ++f)
-    result.fingers[f] = {
-        state.posture.abduction_rad[f], 1 / std::sqrt(H(kAbductionAt + f, kAbductionAt + f)),
-        state.posture.flexion_rad[f], 1 / std::sqrt(H(kFlexionAt + f, kFlexionAt + f))};
+    result.fingers[f] = {state.posture.abduction_rad[f], sigma[kAbductionAt + f],
+                         state.posture.flexion_rad[f], sigma[kFlexionAt + f]};
   if (seen.state != State::tracking) {
     result.raw_pose.reset();
     result.pose.reset();

@@ -40,10 +40,21 @@ constexpr double kLearnable = 8.0;
 // cannot explain and stays while the view does.
 constexpr double kNoisePart = 0.05;
 
-/// The pose's part of an aligned state.
-Matrix6d pose_covariance(const HandMatrix& information) {
-  const HandMatrix covariance = information.llt().solve(HandMatrix::Identity());
-  return covariance.topLeftCorner<6, 6>();
+// The hand frame's origin hangs on how a person holds middle finger and thumb at rest, which the
+// figure does not tell: where the fingertips were never measured it lies so far from where the
+// average hand has it (standard deviations along x and y).
+constexpr double kOriginX_m = 0.005, kOriginY_m = 0.006;
+
+/// The pose's part of an aligned state; of a hand whose fingertips were measured or not.
+Matrix6d pose_covariance(const Alignment& alignment, bool measured) {
+  const HandMatrix covariance = alignment.information.llt().solve(HandMatrix::Identity());
+  Matrix6d pose = covariance.topLeftCorner<6, 6>();
+  if (measured) return pose;
+  const Eigen::Matrix<double, 3, 2> origin =
+      alignment.state.T_camera_hand.linear().leftCols<2>() *
+      Eigen::Vector2d(kOriginX_m, kOriginY_m).asDiagonal();
+  pose.bottomRightCorner<3, 3>() += origin * origin.transpose();
+  return pose;
 }
 
 }  // namespace
@@ -203,8 +214,8 @@ void HandTracker::Impl::filter(TrackResult& result) noexcept {
   const Alignment& best = seen.hypotheses.best().alignment;
   PoseEstimate raw;
   raw.T_camera_hand = best.state.T_camera_hand;
-  raw.covariance = pose_covariance(best.information);
-  raw.noise_covariance = kNoisePart * raw.covariance;
+  raw.covariance = pose_covariance(best, hand.source != HandSource::average_adult);
+  raw.noise_covariance = kNoisePart * pose_covariance(best, true);
   raw.rms_px = best.rms_px;
   result.raw_pose = raw;
   // A hand that turns over goes on in another hand frame: the half turn between them is no motion.
