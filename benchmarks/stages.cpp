@@ -2,6 +2,7 @@
 //
 // Each stage alone, on the last frame of the clip.
 #include "clip.hpp"
+#include "handyar/pose_filter.hpp"
 #include "handyar/stages/align.hpp"
 #include "handyar/stages/hand_finder.hpp"
 #include "handyar/tracker.hpp"

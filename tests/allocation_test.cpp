@@ -72,8 +72,8 @@ int count(Film& film, int frames) {
     const ImageView view = picture.view();
     const int before = allocations;
     film.result = film.tracker.process(view, film.time_s);
-    film.tracker.predict(film.time_s + 0.02);
-    film.tracker.mask();
+    (void)film.tracker.predict(film.time_s + 0.02);
+    (void)film.tracker.mask();
     total += allocations - before;
   }
   return total;

@@ -283,6 +283,30 @@ TEST(CApi, WithoutSmoothingThePoseIsTheRawOne) {
     EXPECT_NEAR(result.pose.T_camera_hand[row][3], result.raw_pose.T_camera_hand[row][3], 1e-12);
 }
 
+TEST(CApi, AKnownSideTellsPalmFromBack) {
+  for (const handyar_side side : {HANDYAR_LEFT_HAND, HANDYAR_RIGHT_HAND}) {
+    auto options = sized<handyar_options>();
+    handyar_default_options(&options);
+    options.side = side;
+    const TrackerPointer tracker = tracker_with(nullptr, &options);
+    Film film;
+    auto result = sized<handyar_result>();
+    for (int i = 0; i < 20; ++i) {
+      film.next();
+      const Picture picture = film.picture();
+      const handyar_frame frame = frame_of(picture);
+      ASSERT_EQ(handyar_process(tracker.get(), &frame, film.time_s, &result), HANDYAR_OK);
+      if (result.face != HANDYAR_UNKNOWN) {
+        EXPECT_EQ(result.side, side);
+      }
+    }
+    ASSERT_EQ(result.state, HANDYAR_TRACKING);
+    const bool right_layout = result.layout == HANDYAR_THUMB_RIGHT;
+    EXPECT_EQ(result.face,
+              right_layout == (side == HANDYAR_RIGHT_HAND) ? HANDYAR_PALM : HANDYAR_BACK);
+  }
+}
+
 TEST(CApi, ProjectsLikeTheCamera) {
   handyar_camera camera = camera_of(640, 480);
   camera.distortion[0] = 0.1;

@@ -32,7 +32,7 @@ TEST(Camera, JacobianAgreesWithCentralDifferences) {
   const Camera c = distorted_camera();
   const Eigen::Vector3d p(0.11, -0.07, 0.45);
   Eigen::Matrix<double, 2, 3> J;
-  c.project(p, &J);
+  (void)c.project(p, &J);
   const double h = 1e-6;
   for (int i = 0; i < 3; ++i) {
     Eigen::Vector3d d = Eigen::Vector3d::Zero();

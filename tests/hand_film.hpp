@@ -2,6 +2,7 @@
 #pragma once
 
 #include "drawn_hand.hpp"
+#include "handyar/stages/hand_figure.hpp"
 #include "handyar/tracker.hpp"
 
 namespace handyar::test {

@@ -8,6 +8,7 @@
 
 #include "handyar/io/picture_file.hpp"
 #include "handyar/opencv/annotate.hpp"
+#include "handyar/stages/evidence.hpp"
 
 namespace handyar::cli {
 namespace {

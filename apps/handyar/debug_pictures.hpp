@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "handyar/any_tracker.hpp"
+#include "handyar/paper/any_tracker.hpp"
 #include "output_folder.hpp"
 
 namespace handyar::cli {

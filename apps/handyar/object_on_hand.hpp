@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "handyar/any_tracker.hpp"
+#include "handyar/paper/any_tracker.hpp"
 #include "handyar/render/hand_overlay.hpp"
 
 namespace handyar::cli {

@@ -151,7 +151,8 @@ Command add_track(CLI::App& app) {
             run->method = kMethods.at(choices->method);
             run->paper_config.half_resolution = choices->processing == "half";
             run->paper_config.fingertips = kFingertipMethods.at(choices->fingertips);
-            run->paper_config.filter.enabled = run->config.filter.enabled = !choices->no_filter;
+            run->config.smoothing = choices->no_filter ? 0 : 1;
+            run->paper_config.filter.enabled = !choices->no_filter;
             run->timings = !choices->no_timings;
             run->annotated = !choices->no_annotation;
             if (run->input.empty()) run->input = remembered().input;

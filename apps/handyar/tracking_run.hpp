@@ -8,8 +8,8 @@
 
 #include "command.hpp"
 #include "debug_pictures.hpp"
-#include "handyar/any_tracker.hpp"
 #include "handyar/io/frame_source.hpp"
+#include "handyar/paper/any_tracker.hpp"
 
 namespace handyar::cli {
 

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "handyar/attachment.hpp"
+#include "handyar/stages/evidence.hpp"
 #include "handyar/tracker.hpp"
 
 using handyar::FrameStatus;
@@ -177,11 +178,7 @@ handyar::Config to_cpp(const handyar_options& o) {
   handyar::Config config;
   if (o.side == HANDYAR_LEFT_HAND) config.side = handyar::Side::left;
   if (o.side == HANDYAR_RIGHT_HAND) config.side = handyar::Side::right;
-  config.filter.enabled = o.smoothing > 0;
-  if (config.filter.enabled) {
-    config.filter.acceleration_m_s2 /= o.smoothing;
-    config.filter.acceleration_rad_s2 /= o.smoothing;
-  }
+  config.smoothing = o.smoothing;
   return config;
 }
 

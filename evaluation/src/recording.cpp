@@ -7,9 +7,9 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "handyar/any_tracker.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/frame_source.hpp"
+#include "handyar/paper/any_tracker.hpp"
 
 namespace handyar::evaluation {
 namespace {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "handyar/api.h"
 #include "handyar/hand_model.hpp"
 #include "handyar/tracker.hpp"
 
@@ -31,13 +32,13 @@ enum class Attachment : std::uint8_t {
 inline constexpr int kAttachmentCount = 14;
 
 /// As in the enumeration: "face", "index_tip".
-std::string_view name(Attachment where) noexcept;
+[[nodiscard]] HANDYAR_API std::string_view name(Attachment where) noexcept;
 
 /// The place of that name; empty when there is none.
-std::optional<Attachment> find_attachment(std::string_view name) noexcept;
+[[nodiscard]] HANDYAR_API std::optional<Attachment> find_attachment(std::string_view name) noexcept;
 
 /// True for the bases and tips of fingers, which have room for small objects only.
-constexpr bool on_finger(Attachment where) noexcept { return where >= Attachment::thumb_base; }
+[[nodiscard]] constexpr bool on_finger(Attachment where) noexcept { return where >= Attachment::thumb_base; }
 
 /// The frame of an object that stands there, in the hand frame of `result`; it moves with the
 /// finger. The origin is where it touches the hand and +z is up: away from the hand, for a
@@ -47,7 +48,8 @@ constexpr bool on_finger(Attachment where) noexcept { return where >= Attachment
 ///     const Eigen::Isometry3d T_camera_object =
 ///         result.pose->T_camera_hand *
 ///         T_hand_attachment(Attachment::index_tip, tracker.hand(), result);
-Eigen::Isometry3d T_hand_attachment(Attachment where, const HandModel& hand,
-                                    const TrackResult& result) noexcept;
+[[nodiscard]] HANDYAR_API Eigen::Isometry3d T_hand_attachment(Attachment where,
+                                                              const HandModel& hand,
+                                                              const TrackResult& result) noexcept;
 
 }  // namespace handyar

@@ -22,18 +22,19 @@ struct HANDYAR_API Camera {
   bool assumed = false;                ///< not calibrated: a field of view was taken for granted
 
   /// A camera without distortion that sees `fov_rad` across the longer side of the picture.
-  static Camera from_field_of_view(int width_px, int height_px,
-                                   double fov_rad = std::numbers::pi / 3.0);
+  [[nodiscard]] static Camera from_field_of_view(int width_px, int height_px,
+                                                 double fov_rad = std::numbers::pi / 3.0);
 
   /// The same camera read out at another size of the same aspect (pixels scaled, nothing cropped).
-  Camera scaled_to(int width_px, int height_px) const;
+  [[nodiscard]] Camera scaled_to(int width_px, int height_px) const;
 
   /// Pixel of a point in the camera frame (metres, z > 0). With `J_px_point`, its 2x3 Jacobian.
-  Eigen::Vector2d project(const Eigen::Vector3d& p_camera,
-                          Eigen::Matrix<double, 2, 3>* J_px_point = nullptr) const noexcept;
+  [[nodiscard]] Eigen::Vector2d project(
+      const Eigen::Vector3d& p_camera,
+      Eigen::Matrix<double, 2, 3>* J_px_point = nullptr) const noexcept;
 
   /// Point at depth 1 on the ray through a pixel, distortion removed: (x/z, y/z).
-  Eigen::Vector2d unproject(const Eigen::Vector2d& px) const noexcept;
+  [[nodiscard]] Eigen::Vector2d unproject(const Eigen::Vector2d& px) const noexcept;
 };
 
 }  // namespace handyar

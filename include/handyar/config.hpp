@@ -4,48 +4,18 @@
 #include <optional>
 
 #include "handyar/hand_model.hpp"
-#include "handyar/pose_filter.hpp"
-#include "handyar/stages/align.hpp"
 
 namespace handyar {
 
-/// When a hand is believed. What a frame shows adds to the belief, its log odds of hand against no
-/// hand, by the time it stands for; older frames fade.
-struct BeliefConfig {
-  double believe = 2.0;   ///< log odds from which on a hand is tracked
-  double give_up = -2.0;  ///< log odds below which it is lost
-  double most = 8.0;      ///< no hand is believed more, so that it can be given up in time
-  double doubt_rad =
-      0.2;  ///< a pose whose orientation is less sure (standard deviation) is doubtful
-};
-
-/// How a hand moves from frame to frame, and how fingers do.
-struct MotionConfig {
-  double rotation_sigma_rad = 0.35;   ///< of a frame's pose around what the frames before foretell
-  double translation_sigma_m = 0.06;  ///< the same
-  double posture_s = 0.15;            ///< about as long a finger keeps its turn and its bend
-  double abduction_sigma_rad = 0.09;  ///< of a finger's turn about the person's rest posture
-  double flexion_sigma_rad = 0.073;   ///< of a finger's bend
-  double thumb_sigma_rad = 0.2;       ///< of both for the thumb, which moves twice as far
-  double boundary_sigma_px = 0.3;     ///< change of the outline's offset in a frame
-};
-
-/// How fast what is seen is learned, in seconds.
-struct LearningConfig {
-  double colors_s = 0.15;  ///< colours on both sides of the outline fade this fast
-  double person_s = 0.5;   ///< of seeing a hand count as one independent view of its figure
-};
-
-/// All settings, a struct per stage; the defaults are what the command line uses.
+/// What a person would turn. How large the frames are is not among it: the tracker looks at places
+/// along the outline, so large frames take hardly longer.
 struct Config {
-  AlignConfig align;
-  BeliefConfig belief;
-  MotionConfig motion;
-  LearningConfig learning;
-  PoseFilterConfig filter;
-
   /// The hand that will be shown, where it is known: it tells palm from back. Empty: either.
   std::optional<Side> side;
+
+  /// 1: as designed; larger: smoother, and later when the hand speeds up; 0: the pose of each frame
+  /// as it is. Divides the accelerations of PoseFilterConfig.
+  double smoothing = 1.0;
 
   /// Clock for StageTimes, in seconds; null: times stay zero. Nothing else depends on it.
   double (*now_s)() = nullptr;

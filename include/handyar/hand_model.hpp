@@ -21,20 +21,22 @@ inline constexpr std::array<std::string_view, kFingerCount> kFingerNames = {
 /// On which side the thumb is when the visible face is looked at with the fingers up. The back of a
 /// left hand and the palm of a right hand share `thumb_right`.
 enum class Layout : std::uint8_t { thumb_right, thumb_left };
-HANDYAR_API std::string_view name(Layout layout) noexcept;
-constexpr Layout opposite(Layout l) noexcept {
+[[nodiscard]] HANDYAR_API std::string_view name(Layout layout) noexcept;
+[[nodiscard]] constexpr Layout opposite(Layout l) noexcept {
   return l == Layout::thumb_right ? Layout::thumb_left : Layout::thumb_right;
 }
 
 /// Which face of the hand is seen.
 enum class Face : std::uint8_t { palm, back };
-HANDYAR_API std::string_view name(Face face) noexcept;
-constexpr Face opposite(Face face) noexcept { return face == Face::palm ? Face::back : Face::palm; }
+[[nodiscard]] HANDYAR_API std::string_view name(Face face) noexcept;
+[[nodiscard]] constexpr Face opposite(Face face) noexcept {
+  return face == Face::palm ? Face::back : Face::palm;
+}
 
 /// Which of a person's hands.
 enum class Side : std::uint8_t { left, right };
-HANDYAR_API std::string_view name(Side side) noexcept;
-constexpr Side side_of(Face face, Layout layout) noexcept {
+[[nodiscard]] HANDYAR_API std::string_view name(Side side) noexcept;
+[[nodiscard]] constexpr Side side_of(Face face, Layout layout) noexcept {
   return (face == Face::palm) == (layout == Layout::thumb_right) ? Side::right : Side::left;
 }
 
@@ -77,24 +79,24 @@ struct HANDYAR_API HandModel {
   std::optional<FigureEstimate> figure;
 
   /// True when the metric size was not measured on this hand.
-  bool scale_assumed() const noexcept {
+  [[nodiscard]] bool scale_assumed() const noexcept {
     return source == HandSource::average_adult || average_scale;
   }
 
   /// The same hand seen in `wanted`: x is mirrored where the layouts differ.
-  HandModel for_layout(Layout wanted) const;
+  [[nodiscard]] HandModel for_layout(Layout wanted) const;
 
   /// Where an object stands: the middle of the palm (or of the back of the hand). The hand frame's
   /// origin lies at the height of the thumb tip, where the fingers begin; from there the palm
   /// reaches towards the wrist about as far as the middle finger reaches up, and its middle is 0.3
   /// of the middle fingertip's y below the origin.
-  Eigen::Vector3d palm_centre_m() const noexcept {
+  [[nodiscard]] Eigen::Vector3d palm_centre_m() const noexcept {
     constexpr int kMiddle = static_cast<int>(Finger::middle);
     return {0, -0.3 * tips_m(1, kMiddle), 0};
   }
 
   /// Distance from thumb tip to little fingertip.
-  double span_m() const noexcept { return (tips_m.col(0) - tips_m.col(4)).norm(); }
+  [[nodiscard]] double span_m() const noexcept { return (tips_m.col(0) - tips_m.col(4)).norm(); }
 };
 
 /// From the crease of the wrist to the tip of the middle finger, of average_adult_hand().
@@ -102,6 +104,6 @@ inline constexpr double kAverageHandLength_m = 0.187;
 
 /// The average adult hand, fingers comfortably spread; the source of the figures stands with them
 /// in hand_model.cpp.
-HANDYAR_API HandModel average_adult_hand();
+[[nodiscard]] HANDYAR_API HandModel average_adult_hand();
 
 }  // namespace handyar

@@ -34,9 +34,9 @@ enum class FrameStatus : std::uint8_t {
 };
 
 /// Checks everything but the time. Never reads a pixel.
-HANDYAR_API FrameStatus check(const ImageView& image) noexcept;
+[[nodiscard]] HANDYAR_API FrameStatus check(const ImageView& image) noexcept;
 
 /// One line for a person, e.g. "grey image: handyar needs colour".
-HANDYAR_API const char* describe(FrameStatus status) noexcept;
+[[nodiscard]] HANDYAR_API const char* describe(FrameStatus status) noexcept;
 
 }  // namespace handyar

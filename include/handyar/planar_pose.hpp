@@ -22,7 +22,7 @@ struct PlanarPose {
 /// plane, `normalised` their images at depth 1, distortion removed; at least four of each, in the
 /// same order. Empty when there are fewer, when either set lies on a line, when a value is not
 /// finite, or when points come to lie behind the camera. Closed form; takes no memory.
-HANDYAR_API std::optional<std::array<PlanarPose, 2>> solve_planar(
+[[nodiscard]] HANDYAR_API std::optional<std::array<PlanarPose, 2>> solve_planar(
     std::span<const Eigen::Vector2d> plane_m, std::span<const Eigen::Vector2d> normalised) noexcept;
 
 }  // namespace handyar

@@ -28,9 +28,18 @@ struct PoseEstimate {
   double rms_px = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// A filtered pose with its velocities, at a stated time.
+struct FilteredPose {
+  double time_s = 0;
+  Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();  ///< in camera axes
+  Matrix6d covariance = Matrix6d::Zero();                            ///< as in PoseEstimate
+};
+
 /// Root mean square standard deviation of rotation (rad) over the three axes.
-HANDYAR_API double sigma_rotation_rad(const Matrix6d& covariance) noexcept;
+[[nodiscard]] HANDYAR_API double sigma_rotation_rad(const Matrix6d& covariance) noexcept;
 /// Root mean square standard deviation of translation (m) over the three axes.
-HANDYAR_API double sigma_translation_m(const Matrix6d& covariance) noexcept;
+[[nodiscard]] HANDYAR_API double sigma_translation_m(const Matrix6d& covariance) noexcept;
 
 }  // namespace handyar

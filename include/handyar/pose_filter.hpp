@@ -21,15 +21,6 @@ struct PoseFilterConfig {
   bool enabled = true;                ///< false: the raw pose passes through unfiltered
 };
 
-/// A filtered pose with its velocities, at a stated time.
-struct FilteredPose {
-  double time_s = 0;
-  Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
-  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();  ///< in camera axes
-  Matrix6d covariance = Matrix6d::Zero();                            ///< as in PoseEstimate
-};
-
 /// Position, orientation and their velocities as a Gaussian: the orientation is a rotation, its
 /// error a rotation vector in camera axes. Errors are ordered rotation, translation, angular
 /// velocity, velocity.
@@ -73,7 +64,7 @@ class HANDYAR_API PoseFilter {
 
   /// State carried to `time_s`; empty before the first measurement and when the last accepted one
   /// is too long ago.
-  std::optional<FilteredPose> predict(double time_s) const noexcept;
+  [[nodiscard]] std::optional<FilteredPose> predict(double time_s) const noexcept;
 
  private:
   static constexpr int kLevels = 4;

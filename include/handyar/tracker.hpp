@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string_view>
 
 #include "handyar/api.h"
@@ -15,8 +14,6 @@
 #include "handyar/hand_model.hpp"
 #include "handyar/image_view.hpp"
 #include "handyar/pose.hpp"
-#include "handyar/pose_filter.hpp"
-#include "handyar/stages/hand_finder.hpp"
 
 namespace handyar {
 
@@ -26,7 +23,7 @@ enum class State : std::uint8_t {
   tracking,
   lost  ///< was tracking, trying to recover
 };
-HANDYAR_API std::string_view name(State state) noexcept;
+[[nodiscard]] HANDYAR_API std::string_view name(State state) noexcept;
 
 /// What each stage took, in milliseconds; all zero unless Config::now_s is set. Segmentation is
 /// looking for the hand, or for how surely it is one; pose is laying the figure. Fingertips and
@@ -43,7 +40,7 @@ struct Tip {
   /// Outside the frame: `px` is where the rest of the hand puts it. Neither: meaningless.
   bool inferred = false;
 
-  bool known() const noexcept { return seen || inferred; }
+  [[nodiscard]] bool known() const noexcept { return seen || inferred; }
 };
 
 /// How a finger stands against the person's rest posture; standard deviations beside.
@@ -79,14 +76,7 @@ struct HandMask {
   int x0_px = 0, y0_px = 0, step_px = 1;
 };
 
-/// What a frame showed, for pictures and for finding out why.
-struct FrameEvidence {
-  std::span<const HandCandidate> candidates;  ///< where the finder saw hands, if it looked
-  std::span<const OutlinePoint> outline;      ///< the figure's outline, as aligned
-  double log_ratio = 0;  ///< log likelihood ratio of a hand there against none, this frame alone
-  double belief = 0;     ///< log odds, added up over time
-  int hypotheses = 0;    ///< appearances and planar solutions still thought possible
-};
+struct FrameEvidence;
 
 /// Frame and time in, state and pose out.
 ///
@@ -108,17 +98,17 @@ class HANDYAR_API HandTracker {
   TrackResult process(const ImageView& frame, double time_s) noexcept;
 
   /// The pose expected at a later time, for display; empty when not tracking.
-  std::optional<FilteredPose> predict(double time_s) const noexcept;
+  [[nodiscard]] std::optional<FilteredPose> predict(double time_s) const noexcept;
 
   /// The figure's silhouette in the last frame; empty (width 0) without a hand. Valid until the
   /// next process(); written anew by each call, so not for two threads at once.
-  HandMask mask() const noexcept;
+  [[nodiscard]] HandMask mask() const noexcept;
 
   /// The person's hand as far as it was learned, in the layout now tracked.
-  const HandModel& hand() const noexcept;
+  [[nodiscard]] const HandModel& hand() const noexcept;
 
-  /// What the last frame showed. Valid until the next process().
-  const FrameEvidence& evidence() const noexcept;
+  /// What the last frame showed (stages/evidence.hpp). Valid until the next process().
+  [[nodiscard]] const FrameEvidence& evidence() const noexcept;
 
   /// Forgets hand and colours, as newly made.
   void reset() noexcept;

@@ -59,7 +59,7 @@ Hypothesis predicted(const Hypothesis& h, double dt_s) {
 }  // namespace
 
 HandPrior prior_around(const HandState& expected, const Person& person, double dt_s,
-                       const Config& config) noexcept {
+                       const TrackerConfig& config) noexcept {
   const MotionConfig& motion = config.motion;
   HandPrior prior;
   prior.mean = expected;
@@ -101,7 +101,8 @@ void Hypotheses::sort_and_prune() noexcept {
 }
 
 bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
-                       const Person& person, const Config& config, Aligner& aligner) noexcept {
+                       const Person& person, const TrackerConfig& config,
+                       Aligner& aligner) noexcept {
   count_ = 0;
   since_reconsidered_s_ = 0;
   RoughTips tips;
@@ -112,7 +113,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   aligner.forget();
   for (const Face face : {Face::palm, Face::back}) {
     const Appearance appearance{face, candidate.layout};
-    if (config.side && side_of(face, candidate.layout) != *config.side) continue;
+    if (config.user.side && side_of(face, candidate.layout) != *config.user.side) continue;
     HandState start;
     start.figure = person.mean();
     start.T_camera_hand =
@@ -139,7 +140,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
 }
 
 bool Hypotheses::follow(const ImageView& frame, const Camera& camera, const Person& person,
-                        double dt_s, const Config& config, Aligner& aligner) noexcept {
+                        double dt_s, const TrackerConfig& config, Aligner& aligner) noexcept {
   const double share = std::min(dt_s, kLongest_s) / kEvidence_s;
   for (int i = count_ - 1; i >= 0; --i) {  // the best last: its outline is the one to show
     Hypothesis& h = items_[i];
@@ -166,11 +167,11 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, const Pers
 }
 
 void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, const Person& person,
-                            const Config& config, Aligner& aligner) noexcept {
+                            const TrackerConfig& config, Aligner& aligner) noexcept {
   if (count_ != 1) return;
   const Hypothesis& now = items_[0];
   constexpr int kAlternatives = 3;
-  const bool other_face = !config.side && turn_ % kAlternatives != 2;
+  const bool other_face = !config.user.side && turn_ % kAlternatives != 2;
   const bool other_plane = !other_face || turn_ % kAlternatives != 0;
   ++turn_;
   Appearance appearance = now.appearance;

@@ -6,11 +6,11 @@
 #include <optional>
 
 #include "handyar/camera.hpp"
-#include "handyar/config.hpp"
 #include "handyar/image_view.hpp"
 #include "handyar/stages/align.hpp"
 #include "handyar/stages/hand_finder.hpp"
 #include "track/person.hpp"
+#include "track/tracker_config.hpp"
 
 namespace handyar {
 
@@ -34,17 +34,17 @@ class Hypotheses {
   /// Both faces and both planar solutions of a hand that the finder saw. False when none of them
   /// can be laid on the picture.
   bool begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
-             const Person& person, const Config& config, Aligner& aligner) noexcept;
+             const Person& person, const TrackerConfig& config, Aligner& aligner) noexcept;
 
   /// Lays each on the next frame, weighs them, drops the unlikely. False when none can be seen.
   bool follow(const ImageView& frame, const Camera& camera, const Person& person, double dt_s,
-              const Config& config, Aligner& aligner) noexcept;
+              const TrackerConfig& config, Aligner& aligner) noexcept;
 
  private:
   /// Thinks again of the other face or the other planar solution, one at a time: colours and figure
   /// are better known than when they were given up, and hands turn over.
   void reconsider(const ImageView& frame, const Camera& camera, const Person& person,
-                  const Config& config, Aligner& aligner) noexcept;
+                  const TrackerConfig& config, Aligner& aligner) noexcept;
   void add(Appearance appearance, const Alignment& alignment, double log_weight) noexcept;
   void sort_and_prune() noexcept;
 
@@ -59,6 +59,6 @@ constexpr double kLongAgo_s = std::numeric_limits<double>::infinity();
 /// The prior of a frame around an expected state whose fingers were seen `dt_s` ago: they go back
 /// to rest in time, and are the less sure the longer ago it was (an Ornstein-Uhlenbeck process).
 HandPrior prior_around(const HandState& expected, const Person& person, double dt_s,
-                       const Config& config) noexcept;
+                       const TrackerConfig& config) noexcept;
 
 }  // namespace handyar

@@ -31,7 +31,7 @@ HandTracker& HandTracker::operator=(HandTracker&&) noexcept = default;
 
 TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept {
   Impl& t = *impl_;
-  const StageClock clock(t.config.now_s);
+  const StageClock clock(t.config.user.now_s);
   TrackResult result;
   result.time_s = time_s;
   result.scale_assumed = t.hand.scale_assumed();

@@ -64,10 +64,10 @@ HandTracker::Impl::Impl(const Camera& c, const HandModel& h, const Config& cfg)
       hand(h),
       calibrated_camera(c),
       camera(c),
-      aligner(cfg.align),
-      scout(cfg.align),
+      aligner(config.align),
+      scout(config.align),
       seen{
-          .hypotheses = {}, .person = Person(estimate_figure(h)), .filter = PoseFilter(cfg.filter)},
+          .hypotheses = {}, .person = Person(estimate_figure(h)), .filter = PoseFilter(config.filter)},
       learned_hand(h) {}
 
 void HandTracker::Impl::reset() noexcept {

@@ -5,11 +5,14 @@
 #include <span>
 #include <vector>
 
+#include "handyar/pose_filter.hpp"
 #include "handyar/stages/align.hpp"
+#include "handyar/stages/evidence.hpp"
 #include "handyar/stages/hand_finder.hpp"
 #include "handyar/tracker.hpp"
 #include "track/hypotheses.hpp"
 #include "track/person.hpp"
+#include "track/tracker_config.hpp"
 
 namespace handyar {
 
@@ -54,7 +57,7 @@ struct HandTracker::Impl {
   void find(const ImageView& frame, bool only_there) noexcept;
   void begin(const ImageView& frame) noexcept;
 
-  Config config;
+  TrackerConfig config;
   HandModel hand;            ///< as given
   Camera calibrated_camera;  ///< as given
   Camera camera;             ///< for frames of the present size

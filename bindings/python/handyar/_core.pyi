@@ -164,7 +164,7 @@ class Tracker:
         hand: HandModel,
         *,
         side: Optional[Literal["left", "right"]] = None,
-        filter: PoseFilterConfig = ...,
+        smoothing: float = ...,
     ) -> None: ...
     @property
     def camera(self) -> Camera: ...

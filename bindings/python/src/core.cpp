@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <span>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "arrays.hpp"
 #include "frame.hpp"
 #include "handyar/planar_pose.hpp"
+#include "handyar/pose_filter.hpp"
 #include "tracker.hpp"
 
 namespace handyar::python {
@@ -445,19 +447,22 @@ void bind_tracker(py::module_& m) {
 The interpreter's lock is released while it works, so trackers run side by side in threads; calls of
 one tracker from several threads wait for each other.)")
       .def(py::init([](const Camera& camera, const HandModel& hand,
-                       const std::optional<std::string>& side, const PoseFilterConfig& filter) {
+                       const std::optional<std::string>& side, double smoothing) {
              Config config;
              config.side = side_of(side);
-             config.filter = filter;
+             if (!std::isfinite(smoothing) || smoothing < 0)
+               throw py::value_error("smoothing is not a number of at least 0");
+             config.smoothing = smoothing;
              return std::make_unique<Tracker>(
                  TrackerState{camera, HandTracker(camera, hand, config)});
            }),
            "camera"_a, "hand"_a, py::kw_only(), "side"_a = py::none(),
-           "filter"_a = PoseFilterConfig{},
+           "smoothing"_a = 1.0,
            R"(The camera that makes the frames, and the hand that will be shown to it.
 
 The camera is rescaled to frames of another size. side: 'left' or 'right', where it is known which
-hand that is: it tells palm from back. filter: how the pose is smoothed.)")
+hand that is: it tells palm from back. smoothing: 1 as designed; more: smoother, and later when the hand speeds up; 0: the
+pose of each frame as it is.)")
       .def(
           "process",
           [](Tracker& tracker, const py::object& frame, double time_s, const std::string& format) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "handyar/pose_filter.hpp"
 #include "handyar/tracker.hpp"
 
 /// The method of T. Lee and T. Höllerer, "Handy AR" (ISWC 2007), as written: for its tables, for
@@ -21,8 +22,8 @@ struct Config {
   int learn_frames = 5;          ///< n frames over which colours are learned (paper 2.1)
   double min_cosine = 0.5;       ///< of the angle at a fingertip, at one scale at least (paper 2.2)
   FingertipMethod fingertips = FingertipMethod::ellipse;
-  int vote_frames = 10;   ///< frames in a row that must show five fingertips (paper 2.3)
-  double max_move = 0.3;  ///< of a fingertip between frames, in thumb-little spans (paper 2.3)
+  int vote_frames = 10;       ///< frames in a row that must show five fingertips (paper 2.3)
+  double max_move = 0.3;      ///< of a fingertip between frames, in thumb-little spans (paper 2.3)
   double tip_sigma_px = 1.0;  ///< error of a fingertip in mask pixels, for the covariance
   PoseFilterConfig filter;    ///< paper 2.5
 

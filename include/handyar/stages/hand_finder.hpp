@@ -14,7 +14,7 @@ namespace handyar {
 /// Where an open hand may be.
 struct HandCandidate {
   Layout layout = Layout::thumb_right;
-  float log_odds = 0;    ///< of an open hand there against none
+  float log_odds = 0;  ///< of an open hand there against none
   Eigen::Vector2f palm_px = Eigen::Vector2f::Zero();
   std::array<Eigen::Vector2f, kFingerCount> tips_px{};  ///< rough: to some hundredths of the span
   std::array<float, kFingerCount> tip_confidence{};     ///< 0 to 1

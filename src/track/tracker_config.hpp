@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "handyar/config.hpp"
+#include "handyar/pose_filter.hpp"
+#include "handyar/stages/align.hpp"
+
+namespace handyar {
+
+/// When a hand is believed. What a frame shows adds to the belief, its log odds of hand against no
+/// hand, by the time it stands for; older frames fade.
+struct BeliefConfig {
+  double believe = 2.0;   ///< log odds from which on a hand is tracked
+  double give_up = -2.0;  ///< log odds below which it is lost
+  double most = 8.0;      ///< no hand is believed more, so that it can be given up in time
+  double doubt_rad =
+      0.2;  ///< a pose whose orientation is less sure (standard deviation) is doubtful
+};
+
+/// How a hand moves from frame to frame, and how fingers do.
+struct MotionConfig {
+  double rotation_sigma_rad = 0.35;   ///< of a frame's pose around what the frames before foretell
+  double translation_sigma_m = 0.06;  ///< the same
+  double posture_s = 0.15;            ///< about as long a finger keeps its turn and its bend
+  double abduction_sigma_rad = 0.09;  ///< of a finger's turn about the person's rest posture
+  double flexion_sigma_rad = 0.073;   ///< of a finger's bend
+  double thumb_sigma_rad = 0.2;       ///< of both for the thumb, which moves twice as far
+  double boundary_sigma_px = 0.3;     ///< change of the outline's offset in a frame
+};
+
+/// How fast what is seen is learned, in seconds.
+struct LearningConfig {
+  double colors_s = 0.15;  ///< colours on both sides of the outline fade this fast
+  double person_s = 0.5;   ///< of seeing a hand count as one independent view of its figure
+};
+
+/// All settings of the tracker, a struct per stage, after what the user asked for.
+struct TrackerConfig {
+  TrackerConfig(const Config& asked = {}) : user(asked) {
+    filter.enabled = asked.smoothing > 0;
+    if (!filter.enabled) return;
+    filter.acceleration_m_s2 /= asked.smoothing;
+    filter.acceleration_rad_s2 /= asked.smoothing;
+  }
+
+  Config user;
+  AlignConfig align;
+  BeliefConfig belief;
+  MotionConfig motion;
+  LearningConfig learning;
+  PoseFilterConfig filter;
+};
+
+}  // namespace handyar
