@@ -15,11 +15,15 @@ function(handyar_library name)
   endif()
 endfunction()
 
-# handyar_room(NAME source...): the same for a room beside the core, with headers in include/ and
-# sources in src/.
+# handyar_room(NAME source...): the same for a room beside the core, a static library with headers in
+# include/ and sources in src/.
 function(handyar_room name)
-  handyar_library(${name} ${ARGN})
-  target_include_directories(handyar_${name} PUBLIC include PRIVATE src)
+  handyar_library(${name} STATIC ${ARGN})
+  target_include_directories(handyar_${name}
+    PUBLIC
+      $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PRIVATE src)
 endfunction()
 
 # The project's own code builds without a warning; those who use it are not held to that.

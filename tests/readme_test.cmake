@@ -14,4 +14,5 @@ function(expect language example start)
 endfunction()
 
 expect(cpp examples/01_track_raw_frames.cpp "#include")
+expect(c examples/06_track_in_c.c "#include")
 expect(python bindings/python/examples/webcam.py "import")

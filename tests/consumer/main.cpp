@@ -5,11 +5,14 @@
 
 #include "handyar/tracker.hpp"
 
-// Every public header of the core that the tracker does not bring along.
-#include "handyar/any_tracker.hpp"
+// Every header of the core that the tracker does not bring along.
+#include "handyar/attachment.hpp"
+#include "handyar/paper/any_tracker.hpp"
 #include "handyar/paper/tip_pose.hpp"
 #include "handyar/planar_pose.hpp"
+#include "handyar/pose_filter.hpp"
 #include "handyar/stages/align.hpp"
+#include "handyar/stages/evidence.hpp"
 #include "handyar/stages/hand_figure.hpp"
 #include "handyar/stages/hand_finder.hpp"
 

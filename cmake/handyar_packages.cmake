@@ -1,0 +1,52 @@
+# Debian packages, by `cpack` in a build of the preset `package`: libhandyar1 for programs to run,
+# libhandyar-dev to build them, handyar the command line, python3-handyar where it is built.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_VENDOR "the handyar authors")
+set(CPACK_PACKAGE_CONTACT "The handyar authors <handyar@packages.debian.org>")
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL library development program)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/src)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
+
+# handyar_package(COMPONENT NAME SECTION SUMMARY TEXT): what a component's package is called and says
+# of itself; the copyright and the list of changes that every Debian package has go with it.
+find_program(GZIP gzip REQUIRED)
+set(changes ${PROJECT_BINARY_DIR}/changelog)
+configure_file(cmake/debian/changelog.in ${changes} @ONLY)
+execute_process(COMMAND ${GZIP} -9nf ${changes} COMMAND_ERROR_IS_FATAL ANY)
+macro(handyar_package component name section summary text)
+  string(TOUPPER ${component} upper)
+  set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${name})
+  set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section})
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${text}")
+  install(FILES ${changes}.gz cmake/debian/copyright
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
+endmacro()
+
+set(what "handyar finds an open hand in the pictures of one ordinary camera and tells its\nmetric pose, so that a 3-D object can stand on it.")
+handyar_package(library libhandyar1 libs "tracks a bare hand as an AR marker - library"
+  "${what}\n.\nThis package has the shared library, for C++ and C.")
+handyar_package(development libhandyar-dev libdevel
+  "tracks a bare hand as an AR marker - development"
+  "${what}\n.\nThis package has what is needed to build programs with it.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+  "libhandyar1 (= ${PROJECT_VERSION}), libeigen3-dev (>= 3.4)")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS  # of the components io and calibration
+  "libopencv-dev, nlohmann-json3-dev, libavformat-dev, libavcodec-dev, libavutil-dev, libswscale-dev, pkg-config")
+handyar_package(program handyar graphics "tracks a bare hand as an AR marker - program"
+  "${what}\n.\nThis package has the command line: from a video or a webcam to poses, an\nannotated video or a window.")
+if(TARGET python__core)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  handyar_package(python python3-handyar python "tracks a bare hand as an AR marker - Python"
+    "${what}\n.\nThis package has the module for Python 3.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
+endif()
+include(CPack)
