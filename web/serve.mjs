@@ -28,6 +28,11 @@ export function serve(folder, port = 0) {
 }
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
-  const server = await serve(fileURLToPath(new URL('../build/web', import.meta.url)), Number(process.argv[2] ?? 8000));
+  const port = Number(process.argv[2] ?? 8000);
+  const server = await serve(fileURLToPath(new URL('../build/web', import.meta.url)), port)
+    .catch((error) => {
+      console.error(`port ${process.argv[2] ?? port} cannot be served at: ${error.message}`);
+      process.exit(1);
+    });
   console.log(`The page is at http://localhost:${server.address().port}/ (Ctrl-C ends it)`);
 }
