@@ -99,3 +99,9 @@ test('a pose is carried on with its velocities', () => {
   near(later.T_gl_hand.slice(12), [0.05, 0, -0.4, 1]);
   assert.equal(T_camera_hand[0], 1);
 });
+
+test('the package has the version of the library', () => {
+  const header = readFileSync(data('../include/handyar/api.h'), 'utf8');
+  const { version } = JSON.parse(readFileSync(new URL('../package.json', import.meta.url)));
+  assert.equal(/HANDYAR_VERSION "(.*)"/.exec(header)[1], version);
+});
