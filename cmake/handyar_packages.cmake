@@ -12,41 +12,50 @@ set(CPACK_COMPONENTS_ALL library development program)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/src)
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 
-# handyar_package(COMPONENT NAME SECTION SUMMARY TEXT): what a component's package is called and says
+# handyar_package(COMPONENT NAME SECTION TEXT): what a component's package is called and says
 # of itself; the copyright and the list of changes that every Debian package has go with it.
 find_program(GZIP gzip REQUIRED)
 set(changes ${PROJECT_BINARY_DIR}/changelog)
 configure_file(cmake/debian/changelog.in ${changes} @ONLY)
 execute_process(COMMAND ${GZIP} -9nf ${changes} COMMAND_ERROR_IS_FATAL ANY)
-macro(handyar_package component name section summary text)
+macro(handyar_package component name section text)
   string(TOUPPER ${component} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${name})
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section})
-  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${text}")
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${what}\n.\n${text}")
   install(FILES ${changes}.gz cmake/debian/copyright
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
 endmacro()
 
-set(what "handyar finds an open hand in the pictures of one ordinary camera and tells its\nmetric pose, so that a 3-D object can stand on it.")
-handyar_package(library libhandyar1 libs "tracks a bare hand as an AR marker - library"
-  "${what}\n.\nThis package has the shared library, for C++ and C.")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "augmented reality on a bare hand")
+set(what "handyar finds an open hand in the pictures of one ordinary camera and tells its\nmetric pose, so that a 3-D object can stand on it like on a printed marker.")
+
+handyar_package(library libhandyar1 libs
+  "This package has the shared library, for C++ and C.")
+# What CPack makes of a shared library calls ldconfig by itself; Debian's packages leave that to a
+# trigger.
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libc6 (>= 2.36), libgcc-s1 (>= 3.0), libstdc++6 (>= 12)")
+file(WRITE ${PROJECT_BINARY_DIR}/debian/triggers "activate-noawait ldconfig\n")
+file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs
+  "libhandyar ${PROJECT_VERSION_MAJOR} libhandyar1 (>= ${PROJECT_VERSION})\n")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA
+  "${PROJECT_BINARY_DIR}/debian/triggers;${PROJECT_BINARY_DIR}/debian/shlibs")
+
 handyar_package(development libhandyar-dev libdevel
-  "tracks a bare hand as an AR marker - development"
-  "${what}\n.\nThis package has what is needed to build programs with it.")
+  "This package has what is needed to build programs with it.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libhandyar1 (= ${PROJECT_VERSION}), libeigen3-dev (>= 3.4)")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS  # of the components io and calibration
   "libopencv-dev, nlohmann-json3-dev, libavformat-dev, libavcodec-dev, libavutil-dev, libswscale-dev, pkg-config")
-handyar_package(program handyar graphics "tracks a bare hand as an AR marker - program"
-  "${what}\n.\nThis package has the command line: from a video or a webcam to poses, an\nannotated video or a window.")
+
+handyar_package(program handyar graphics
+  "This package has the command line: from a video or a webcam to poses, an\nannotated video or a window.")
+
 if(TARGET python__core)
   list(APPEND CPACK_COMPONENTS_ALL python)
-  handyar_package(python python3-handyar python "tracks a bare hand as an AR marker - Python"
-    "${what}\n.\nThis package has the module for Python 3.")
+  handyar_package(python python3-handyar python "This package has the module for Python 3.")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
 endif()
 include(CPack)
