@@ -15,7 +15,7 @@ const hands = fileURLToPath(new URL('node_modules/@mediapipe/hands/', import.met
 
 function list(fbb, offsets) {
   fbb.startVector(4, offsets.length, 4);
-  for (const offset of offsets.toReversed()) fbb.addOffset(offset);
+  for (const offset of [...offsets].reverse()) fbb.addOffset(offset);
   return fbb.endVector();
 }
 
@@ -62,7 +62,7 @@ function withNote(model, note) {
 
   const refer = (offset) => (index) => fbb.addFieldOffset(index, offset, 0);
   fbb.startVector(1, note.length, 16);
-  for (const byte of note.toReversed()) fbb.addInt8(byte);
+  for (const byte of [...note].reverse()) fbb.addInt8(byte);
   const noteBuffer = table(fbb, 1, { 0: refer(fbb.endVector()) });
   const allBuffers = list(fbb,
     [...Array.from({ length: count }, (_, i) => kept(buffers + 4 + 4 * i)), noteBuffer]);
