@@ -38,7 +38,9 @@ inline constexpr int kAttachmentCount = 14;
 [[nodiscard]] HANDYAR_API std::optional<Attachment> find_attachment(std::string_view name) noexcept;
 
 /// True for the bases and tips of fingers, which have room for small objects only.
-[[nodiscard]] constexpr bool on_finger(Attachment where) noexcept { return where >= Attachment::thumb_base; }
+[[nodiscard]] constexpr bool on_finger(Attachment where) noexcept {
+  return where >= Attachment::thumb_base;
+}
 
 /// The frame of an object that stands there, in the hand frame of `result`; it moves with the
 /// finger. The origin is where it touches the hand and +z is up: away from the hand, for a
