@@ -2,12 +2,16 @@
 // `handyar evaluate` as its users meet it when something is wrong: one line, and nothing left.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 namespace fs = std::filesystem;
 
@@ -69,6 +73,24 @@ TEST_F(EvaluateCli, AReportThatCannotBeWrittenIsToldBeforeTheWork) {
   fs::create_directories(root_ / "taken" / "report.html");
   expect_refused(kVideo + " --report " + file("taken"), 1, "report.html");
   EXPECT_FALSE(fs::exists(root_ / "taken" / "errors.csv"));
+}
+
+TEST_F(EvaluateCli, AnInterruptLeavesNoReport) {
+  const std::string report = file("report"), err = file("stderr");
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::freopen(err.c_str(), "w", stderr);
+    ::execl(HANDYAR_PROGRAM, "handyar", "evaluate", kVideo.c_str(), "--report", report.c_str(),
+            nullptr);
+    ::_exit(99);
+  }
+  while (!fs::exists(report)) std::this_thread::yield();  // the work begins after it is there
+  ::kill(child, SIGINT);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 130);
+  EXPECT_EQ(contents(err), "handyar: interrupted, nothing was written\n");
+  EXPECT_FALSE(fs::exists(report));
 }
 
 TEST_F(EvaluateCli, OptionsThatCannotBeAreWrongUsage) {

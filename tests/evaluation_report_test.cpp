@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "handyar/evaluation/footage.hpp"
+#include "handyar/evaluation/pictures.hpp"
 #include "handyar/evaluation/report.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/frame_source.hpp"
@@ -275,12 +276,51 @@ TEST(Truth, WhatCannotBeMeasuredAgainstIsRefused) {
   EXPECT_TRUE(has(complaint([](json& j) { j["frames"] = json::array(); }), "no frames"));
   EXPECT_TRUE(has(complaint([](json& j) { j["frames"] = nullptr; }), "no frames"));
   EXPECT_TRUE(has(complaint([](json& j) { j["K"][0][0] = 0; }), "focal length"));
+  EXPECT_TRUE(has(complaint([](json& j) { j["width"] = 0; }), "no size"));
   EXPECT_TRUE(has(complaint([](json& j) { j["fps"] = 0; }), "fps"));
   EXPECT_TRUE(has(complaint([](json& j) { j["board"]["inner_corners"] = {1, 6}; }), "1x6"));
   EXPECT_TRUE(has(complaint([](json& j) { j["markers"][0]["dict"] = "DICT_9X9"; }), "DICT_9X9"));
   EXPECT_TRUE(has(complaint([](json& j) { j["markers"][0]["size_mm"] = 0; }), "size"));
   EXPECT_EQ(complaint([](json& j) { j["markers"][0]["dict"] = "DICT_4X4_1000"; }), "");
   EXPECT_FALSE(has(complaint([](json& j) { j.erase("K"); }), "json.exception"));
+}
+
+TEST(Sequences, OnlyAFolderHasItsOwnCameraAndHand) {
+  const TemporaryFolder folder;
+  fs::copy(fs::path(io::data_file("calibrate/video.mp4")).parent_path(), folder / "mine");
+  EXPECT_EQ(open_sequence(folder / "mine", {}).origin_of_hand, folder / "mine/hand.json");
+  const fs::path before = fs::current_path();
+  fs::current_path(folder / "mine");  // where `handyar calibrate` writes what its help suggests
+  const Sequence s = open_sequence("video.mp4", {});
+  fs::current_path(before);
+  EXPECT_EQ(s.origin_of_hand, "assumed: average adult");
+  EXPECT_EQ(s.origin_of_camera, "assumed: 60 degrees across");
+  EXPECT_EQ(s.name, "mine") << "every sequence's file is called video";
+}
+
+TEST(Report, ThePapersBoardErrorsStandBesideBoardErrorsOnly) {
+  Analysis a = compare_sequence();
+  const auto paper_columns = [&a] {
+    const Table t = table2(a);
+    return std::count_if(t.figures.begin(), t.figures.end(),
+                         [](const Figure& f) { return f.column == "paper full"; });
+  };
+  EXPECT_GT(paper_columns(), 0);
+  for (auto& view : a.recording.board_views) view.reset();
+  for (TrackAnalysis& track : a.tracks) track.raw.blocks_px.clear();
+  EXPECT_EQ(paper_columns(), 0);
+}
+
+// The pose of one frame is off while its fingertips are right.
+TEST(Pictures, AmongTheWorstFramesAreTheWorstPoses) {
+  Analysis a = compare_sequence();
+  std::vector<FrameError>& errors = a.tracks.front().errors;
+  const std::size_t bad = errors.size() / 2;
+  ASSERT_TRUE(errors[bad].counted());
+  errors[bad].filtered.rotation_deg = 40;
+  bool shown = false;
+  for (const Picture& p : take_pictures(a)) shown |= p.worst && p.frame == int(bad);
+  EXPECT_TRUE(shown);
 }
 
 TEST(Footage, TreeIsJudgedSequenceBySequence) {
@@ -305,6 +345,8 @@ TEST(Footage, TreeIsJudgedSequenceBySequence) {
   EXPECT_GT(figures[1].open_frames, 20);
   EXPECT_GE(figures[1].right_percent(), 98.0);
   EXPECT_EQ(figures[1].wrong, 0);
+  EXPECT_EQ(figures[1].jumps, 0);
+  EXPECT_EQ(figures[1].unsound, 0);
 
   fs::create_directories(folder / "report");
   const std::string text = write_distribution(folder / "report", figures);

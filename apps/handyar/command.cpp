@@ -72,6 +72,10 @@ void catch_interrupts() {
 
 int interrupt() noexcept { return caught_signal; }
 
+void require_no_interrupt() {
+  if (interrupt() != 0) throw Interrupted();
+}
+
 double steady_now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }

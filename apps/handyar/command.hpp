@@ -56,6 +56,10 @@ void catch_interrupts();
 /// The signal that came, or 0.
 int interrupt() noexcept;
 
+/// What long work throws that is of no use half done: nothing of it is kept.
+struct Interrupted : std::exception {};
+void require_no_interrupt();
+
 /// Seconds of a clock that never goes back.
 double steady_now_s();
 

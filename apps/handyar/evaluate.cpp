@@ -75,11 +75,13 @@ int evaluate_trees(const Evaluation& e) {
   std::vector<Footage> footage;
   for (const std::string& tree : e.sequences)
     for (Footage& f : find_footage(tree, sequence_options(e))) footage.push_back(std::move(f));
+  catch_interrupts();
   const OutputFolder folder(e.report, {"sequences.csv", "distribution.md"});
   std::vector<FootageFigures> figures;
   {
     ProgressLine line("sequences: ");
     for (const Footage& f : footage) {
+      require_no_interrupt();
       figures.push_back(measure(f));
       line.show(int(figures.size()), int(footage.size()));
     }
@@ -107,19 +109,25 @@ int evaluate(const Evaluation& e) {
   const std::vector<Sequence> sequences = open_sequences(e.sequences, options);
   const std::vector<Still> photographs =
       e.stills.empty() ? std::vector<Still>() : read_stills(e.stills);
+  catch_interrupts();
   const OutputFolder folder(e.report,
                             {"report.html", "errors.csv", "stills.csv", "tables.csv", "tables.md"});
 
   std::vector<Analysis> analyses;
   for (const Sequence& s : sequences) {
     ProgressLine line(s.name + ": ");
-    analyses.push_back(
-        analyse(record(s, Methods::all, [&](int done, int of) { line.show(done, of); })));
+    analyses.push_back(analyse(record(s, Methods::all, [&](int done, int of) {
+      require_no_interrupt();
+      line.show(done, of);
+    })));
   }
   std::vector<StillResult> stills;
   if (!photographs.empty()) {
     ProgressLine line("stills: ");
-    stills = track_stills(photographs, [&](int done, int of) { line.show(done, of); });
+    stills = track_stills(photographs, [&](int done, int of) {
+      require_no_interrupt();
+      line.show(done, of);
+    });
   }
   const RunDescription run{command_line(), HANDYAR_VERSION};
   for (const std::string& note : write_report(e.report, run, analyses, stills))

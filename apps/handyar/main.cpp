@@ -75,6 +75,9 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const handyar::io::Error& e) {
     std::cerr << "handyar: " << e.what() << '\n';
+  } catch (const Interrupted&) {
+    std::cerr << "handyar: interrupted, nothing was written\n";
+    return 128 + interrupt();
   } catch (const std::bad_alloc&) {
     std::cerr << "handyar: out of memory\n";
   } catch (const std::exception& e) {

@@ -15,6 +15,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kOpenFrames = "open_frames.csv";
+constexpr double kFarOff_deg = 25, kFarOffOfDistance = 0.2;
+
+bool is_shown_as_sound(const TrackResult& r) {
+  return r.state == State::tracking && r.pose && !r.doubtful;
+}
 
 std::string group_of(const fs::path& folder, const fs::path& tree) {
   const fs::path below =
@@ -55,6 +60,7 @@ class Counter {
     figures_.wrong += open && tracked && !right && !on_other_hand;
     figures_.state_changes += open && previous_ && *previous_ != r.state;
     previous_ = open ? std::optional(r.state) : std::nullopt;
+    count_jump(r);
     (tracked ? tracking_ms_ : searching_ms_).push_back(r.times.total_ms);
   }
 
@@ -64,17 +70,34 @@ class Counter {
   }
 
  private:
+  void count_jump(const TrackResult& r) {
+    if (!is_shown_as_sound(r)) {
+      sound_at_m_.reset();
+      return;
+    }
+    const Eigen::Vector3d at_m = r.pose->T_camera_hand.translation();
+    if (sound_at_m_)
+      figures_.jumps += (at_m - *sound_at_m_).norm() > kFarOffOfDistance * sound_at_m_->norm();
+    sound_at_m_ = at_m;
+  }
+
   FootageFigures& figures_;
   std::optional<State> previous_;
+  std::optional<Eigen::Vector3d> sound_at_m_;  // of the frame before
   std::vector<double> tracking_ms_, searching_ms_;
 };
 
 void measure_rendered(const Analysis& a, FootageFigures& f) {
   const std::vector<FrameError>& errors = a.main_track().errors;
   Counter counter(f);
-  for (std::size_t i = 0; i < errors.size(); ++i)
-    counter.add(a.recording.main_track().results[i], errors[i].eligible, errors[i].right(),
-                errors[i].on_other_hand);
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const TrackResult& r = a.recording.main_track().results[i];
+    const FrameError& e = errors[i];
+    counter.add(r, e.eligible, e.right(), e.on_other_hand);
+    f.unsound += is_shown_as_sound(r) && !e.on_other_hand &&
+                 (e.no_open_hand || e.filtered.rotation_deg > kFarOff_deg ||
+                  e.filtered.translation_percent > 100 * kFarOffOfDistance);
+  }
   counter.finish();
   const Accuracy all = summarize(errors);
   f.handless_frames = all.no_open_hand;

@@ -128,7 +128,7 @@ Table table2(const Analysis& a) {
     if (a.has_truth())
       t.add(row, resolution + " fingertips, median", summarize(a.tracks[i].errors).tip_px.median,
             "px");
-    if (!track.half_resolution && !t.figures.empty()) {
+    if (!track.half_resolution && a.has_board()) {  // the paper's are errors at the board
       const auto known = paper_px.find(track.method);
       t.add(row, "paper full", known == paper_px.end() ? kUnknown : known->second, "px");
       t.add(row, "paper half", kUnknown, "px");

@@ -20,11 +20,20 @@ constexpr int kWidth_px = 480;
 constexpr int kJpegQuality = 82;
 constexpr int kSubPixelBits = 4;
 
-double largest(const FrameError& e) {
+double largest_px(const FrameError& e) {
   double most = 0;
   for (const double px : e.tips.px)
     if (std::isfinite(px)) most = std::max(most, px);
   return most;
+}
+
+/// 0 .. 1: of fingertips and pose the worse; a fingertip's 100 pixels count like 60 degrees and
+/// like two fifths of the distance.
+double size_of(const FrameError& e) {
+  double most = largest_px(e) / 100;
+  for (const double part : {e.filtered.rotation_deg / 60, e.filtered.translation_percent / 40})
+    if (std::isfinite(part)) most = std::max(most, part);
+  return std::tanh(most);
 }
 
 /// How bad a frame is: the whole number says what kind of fault, the rest how large.
@@ -35,7 +44,7 @@ double badness(const Analysis& a, std::size_t i) {
     return r.raw_pose && std::isfinite(r.raw_pose->rms_px) ? std::tanh(r.raw_pose->rms_px / 10) : 0;
   }
   const FrameError& e = a.main_track().errors[i];
-  const double size = std::tanh(largest(e) / 100);
+  const double size = size_of(e);
   if (e.no_open_hand && e.tracked) return 4;
   if (e.eligible && e.wrong) return 3 + size;
   if (e.eligible && !e.tracked) return 2;
@@ -55,7 +64,7 @@ std::string caption(const Analysis& a, std::size_t i) {
                               : "";
     if (!e.no_open_hand)
       std::snprintf(more, sizeof more, ", tips off by up to %.1f px, pose by %.1f°, %.1f mm",
-                    largest(e), e.filtered.rotation_deg, e.filtered.translation_mm);
+                    largest_px(e), e.filtered.rotation_deg, e.filtered.translation_mm);
   } else if (a.has_truth() && a.main_track().errors[i].eligible) {
     text += ", though the hand is in view";
   } else if (r.raw_pose) {

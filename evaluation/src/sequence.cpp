@@ -14,11 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A file of the sequence's folder, if it has a folder and is not told about by truth.json.
+std::string companion(const Sequence& s, const fs::path& folder, const char* name) {
+  const bool there = !folder.empty() && !s.truth && fs::exists(folder / name);
+  return there ? (folder / name).string() : "";
+}
+
 void find_camera(Sequence& s, const fs::path& folder, const SequenceOptions& options) {
-  const std::string file = !options.camera_file.empty() ? options.camera_file
-                           : fs::exists(folder / "camera.yml") && !s.truth
-                               ? (folder / "camera.yml").string()
-                               : "";
+  const std::string file =
+      options.camera_file.empty() ? companion(s, folder, "camera.yml") : options.camera_file;
   const io::SourceInfo info = io::open_input(s.video)->info();
   if (info.live) throw io::Error(s.video, "a live camera cannot be evaluated; record it first");
   if (!file.empty()) {
@@ -36,10 +40,8 @@ void find_camera(Sequence& s, const fs::path& folder, const SequenceOptions& opt
 }
 
 void find_hand(Sequence& s, const fs::path& folder, const SequenceOptions& options) {
-  const std::string file = !options.hand_file.empty() ? options.hand_file
-                           : fs::exists(folder / "hand.json") && !s.truth
-                               ? (folder / "hand.json").string()
-                               : "";
+  const std::string file =
+      options.hand_file.empty() ? companion(s, folder, "hand.json") : options.hand_file;
   if (options.uncalibrated) {
     s.hand = average_adult_hand();
     s.origin_of_hand = "average adult, as asked";
@@ -82,6 +84,7 @@ Sequence open_sequence(const fs::path& given, const SequenceOptions& options) {
     if (fs::exists(folder / "truth.json")) s.truth = read_truth(folder / "truth.json");
   } else {
     s.name = path.stem().string();
+    if (s.name == "video") s.name = fs::weakly_canonical(path).parent_path().filename().string();
     s.video = path.string();
   }
   find_camera(s, folder, options);

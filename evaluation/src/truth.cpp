@@ -44,6 +44,7 @@ Camera camera(const json& j) {
   Camera c;
   c.width_px = j.at("width");
   c.height_px = j.at("height");
+  if (c.width_px <= 0 || c.height_px <= 0) throw std::runtime_error("its pictures have no size");
   c.fx_px = K(0, 0);
   c.fy_px = K(1, 1);
   c.cx_px = K(0, 2);

@@ -34,6 +34,11 @@ struct FootageFigures {
   int on_other_hand = 0;                         ///< open frames in which a second hand is tracked
   int handless_frames = 0, falsely_tracked = 0;  ///< a clip that never shows an open hand: all
   int state_changes = 0;                         ///< between open frames
+  /// Of two frames in a row that are shown as sound (tracked, not doubtful): how often the hand
+  /// leaps by more than a fifth of its distance.
+  int jumps = 0;
+  int unsound = 0;  ///< shown as sound, though there truly is no open hand, or the pose is off by
+                    ///< more than 25 degrees or a fifth of the distance
   Summary rotation_deg, translation_percent, tip_of_span;
   Summary abduction_deg, flexion_deg;  ///< mean of the five fingers, where they live
   double palm_within_8px = kUnknown, nees_within_95 = kUnknown;  ///< shares
