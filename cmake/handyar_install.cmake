@@ -37,7 +37,7 @@ function(handyar_install_room name)
   endforeach()
   get_target_property(opencv_headers opencv_core INTERFACE_INCLUDE_DIRECTORIES)
   handyar_install_pc(handyar-${name} "${room_DESCRIPTION}" ${room_REQUIRES}
-    "-I${opencv_headers}" "${room_LIBS}")
+    "-isystem ${opencv_headers}" "${room_LIBS}")  # OpenCV warns of itself in C++20
 endfunction()
 
 function(handyar_install_pc name description requires cflags libs)
