@@ -11,7 +11,8 @@ namespace {
 /// The mean figure, seen so; its fingers as given.
 struct Seen {
   explicit Seen(Face face, Layout layout = Layout::thumb_right)
-      : hand(hand_of_figure({}, layout)), figure(make_figure({}, face, layout)) {
+      : hand(hand_of_figure({}, layout)),
+        figure(make_figure(FigureCoefficients::Zero(), face, layout)) {
     result.face = face;
     result.layout = layout;
   }
