@@ -45,16 +45,17 @@ constexpr double kNoisePart = 0.05;
 // average hand has it (standard deviations along x and y).
 constexpr double kOriginX_m = 0.005, kOriginY_m = 0.006;
 
-/// The pose's part of an aligned state; of a hand whose fingertips were measured or not.
-Matrix6d pose_covariance(const Alignment& alignment, bool measured) {
-  const HandMatrix covariance = alignment.information.llt().solve(HandMatrix::Identity());
-  Matrix6d pose = covariance.topLeftCorner<6, 6>();
-  if (measured) return pose;
+/// The pose's part of an aligned state.
+Matrix6d pose_covariance(const HandMatrix& information) {
+  const HandMatrix covariance = information.llt().solve(HandMatrix::Identity());
+  return covariance.topLeftCorner<6, 6>();
+}
+
+/// What the origin of a hand that was never measured adds to the covariance of its translation.
+Eigen::Matrix3d origin_covariance(const Eigen::Isometry3d& T_camera_hand) {
   const Eigen::Matrix<double, 3, 2> origin =
-      alignment.state.T_camera_hand.linear().leftCols<2>() *
-      Eigen::Vector2d(kOriginX_m, kOriginY_m).asDiagonal();
-  pose.bottomRightCorner<3, 3>() += origin * origin.transpose();
-  return pose;
+      T_camera_hand.linear().leftCols<2>() * Eigen::Vector2d(kOriginX_m, kOriginY_m).asDiagonal();
+  return origin * origin.transpose();
 }
 
 }  // namespace
@@ -66,8 +67,9 @@ HandTracker::Impl::Impl(const Camera& c, const HandModel& h, const Config& cfg)
       camera(c),
       aligner(config.align),
       scout(config.align),
-      seen{
-          .hypotheses = {}, .person = Person(estimate_figure(h)), .filter = PoseFilter(config.filter)},
+      seen{.hypotheses = {},
+           .person = Person(estimate_figure(h)),
+           .filter = PoseFilter(config.filter)},
       learned_hand(h) {}
 
 void HandTracker::Impl::reset() noexcept {
@@ -214,8 +216,10 @@ void HandTracker::Impl::filter(TrackResult& result) noexcept {
   const Alignment& best = seen.hypotheses.best().alignment;
   PoseEstimate raw;
   raw.T_camera_hand = best.state.T_camera_hand;
-  raw.covariance = pose_covariance(best, hand.source != HandSource::average_adult);
-  raw.noise_covariance = kNoisePart * pose_covariance(best, true);
+  raw.covariance = pose_covariance(best.information);
+  raw.noise_covariance = kNoisePart * raw.covariance;
+  if (hand.source == HandSource::average_adult)
+    raw.covariance.bottomRightCorner<3, 3>() += origin_covariance(raw.T_camera_hand);
   raw.rms_px = best.rms_px;
   result.raw_pose = raw;
   // A hand that turns over goes on in another hand frame: the half turn between them is no motion.
