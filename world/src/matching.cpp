@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+#include "matching.hpp"
+
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+#include <optional>
+
+#include "handyar/opencv/types.hpp"
+
+namespace handyar::world {
+namespace {
+
+constexpr double kMargin_px = 8;  // from the picture's edge: half a window
+constexpr double kAlike = 0.75;   // least correlation of two patches that show the same
+constexpr double kLeastScale = 0.4, kMostScale = 2.5;  // of the keyframe in the picture
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+const cv::Size kPatch_px{11, 11};
+
+bool within(const Eigen::Vector2d& px, const cv::Size& size) {
+  return px.x() >= kMargin_px && px.y() >= kMargin_px && px.x() < size.width - kMargin_px &&
+         px.y() < size.height - kMargin_px;
+}
+
+/// The homography by which the ground takes pixels of the keyframe to the picture; lenses'
+/// distortion, which differs little from place to place, is left out.
+std::optional<Eigen::Matrix3d> by_ground(const WorldMap& map, const Keyframe& keyframe,
+                                         const View& view) {
+  Eigen::Hyperplane<double, 3> plane = map.ground;
+  plane.transform(Eigen::Affine3d(keyframe.T_camera_world));  // n . p + offset = 0 in the keyframe's camera frame
+  if (std::abs(plane.offset()) < 0.02) return std::nullopt;  // seen edge-on
+  const Eigen::Isometry3d T = view.T_camera_world * keyframe.T_camera_world.inverse();
+  const Eigen::Matrix3d between =
+      T.linear() - T.translation() * plane.normal().transpose() / plane.offset();
+  const auto intrinsics = [](const Camera& c) {
+    Eigen::Matrix3d K;
+    K << c.fx_px, 0, c.cx_px, 0, c.fy_px, c.cy_px, 0, 0, 1;
+    return K;
+  };
+  return intrinsics(view.camera) * between * intrinsics(map.camera).inverse();
+}
+
+/// A keyframe laid over a picture.
+class Overlaid {
+ public:
+  Overlaid(const Eigen::Matrix3d& H, const cv::Mat& keyframe, const cv::Size& size) : H_(H) {
+    cv::Mat H_cv;
+    cv::eigen2cv(H, H_cv);
+    cv::warpPerspective(keyframe, grey_, H_cv, size);
+  }
+
+  const cv::Mat& grey() const { return grey_; }
+
+  /// Where a pixel of the keyframe lies; empty where its surroundings are stretched or pressed too
+  /// much to be recognised, or do not lie in the picture.
+  std::optional<Eigen::Vector2d> place(const Eigen::Vector2d& px) const {
+    const Eigen::Vector3d h = H_ * px.homogeneous();
+    if (h.z() <= 0) return std::nullopt;
+    const double area = H_.determinant() / (h.z() * h.z() * h.z());
+    if (!(area > kLeastScale * kLeastScale && area < kMostScale * kMostScale)) return std::nullopt;
+    const Eigen::Vector2d at = h.hnormalized();
+    return within(at, grey_.size()) ? std::optional(at) : std::nullopt;
+  }
+
+ private:
+  Eigen::Matrix3d H_;
+  cv::Mat grey_;
+};
+
+/// Correlation of two patches, -1 .. 1; 0 where one of them shows nothing.
+double likeness(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b,
+                const cv::Point2f& at_b) {
+  cv::Mat patch_a, patch_b, correlation;
+  cv::getRectSubPix(a, kPatch_px, at_a, patch_a, CV_32F);
+  cv::getRectSubPix(b, kPatch_px, at_b, patch_b, CV_32F);
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(patch_a, mean, deviation);
+  if (deviation[0] < 2) return 0;
+  cv::matchTemplate(patch_a, patch_b, correlation, cv::TM_CCOEFF_NORMED);
+  return correlation.at<float>(0);
+}
+
+cv::Point2f point(const Eigen::Vector2d& px) {
+  return {static_cast<float>(px.x()), static_cast<float>(px.y())};
+}
+Eigen::Vector2d pixel(const cv::Point2f& p) { return {p.x, p.y}; }
+
+constexpr int kFlow = cv::OPTFLOW_USE_INITIAL_FLOW;
+const cv::TermCriteria kFlowEnd{cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 15, 0.01};
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& p_world, const View& view) {
+  const Eigen::Vector3d p = view.T_camera_world * p_world;
+  if (p.z() < 0.02 || p.head<2>().norm() > 2 * p.z()) return std::nullopt;
+  const Eigen::Vector2d px = view.camera.project(p);
+  if (!within(px, {view.camera.width_px, view.camera.height_px})) return std::nullopt;
+  return px;
+}
+
+std::optional<Eigen::Vector3d> on_ground(const Eigen::Vector2d& px, const View& view,
+                                         const Eigen::Hyperplane<double, 3>& ground) {
+  constexpr double kGrazing = 0.12, kFarthest_m = 3;
+  const Eigen::Isometry3d T_world_camera = view.T_camera_world.inverse();
+  const Eigen::Vector3d ray =
+      (T_world_camera.linear() * view.camera.unproject(px).homogeneous()).normalized();
+  const double along = -ground.normal().dot(ray);
+  if (along < kGrazing) return std::nullopt;
+  const double distance_m = ground.signedDistance(T_world_camera.translation()) / along;
+  if (!(distance_m > 0.02 && distance_m < kFarthest_m)) return std::nullopt;
+  return T_world_camera.translation() + distance_m * ray;
+}
+
+Matches find_in_picture(const WorldMap& map, const Keyframe& keyframe, const Picture& picture,
+                        const cv::Mat& free, const View& view, double radius_px, std::size_t most) {
+  Matches matches;
+  const auto H = by_ground(map, keyframe, view);
+  if (!H) return matches;
+  const Overlaid overlaid(*H, keyframe.grey, picture.grey.size());
+  std::vector<cv::Point2f> from, to;
+  const std::size_t count = keyframe.observations.size();
+  const std::size_t stride =
+      std::max<std::size_t>(1, (count + most - 1) / std::max<std::size_t>(1, most));
+  for (std::size_t i = 0; i < count; i += stride) {
+    const Observation& o = keyframe.observations[i];
+    const auto start = overlaid.place(o.px);
+    const auto guess = pixel_of(map.points[static_cast<std::size_t>(o.point)].p_world_m, view);
+    if (!start || !guess) continue;
+    if (!free.empty() && free.at<std::uint8_t>(static_cast<int>(guess->y() + 0.5),
+                                               static_cast<int>(guess->x() + 0.5)) == 0)
+      continue;
+    matches.expected.push_back(o.point);
+    from.push_back(point(*start));
+    to.push_back(point(*guess));
+  }
+  if (from.empty()) return matches;
+  const std::vector<cv::Point2f> guesses = to;
+  std::vector<std::uint8_t> found;
+  cv::calcOpticalFlowPyrLK(overlaid.grey(), picture.pyramid, from, to, found, cv::noArray(),
+                           kFlowWindow_px, 1, kFlowEnd, kFlow, 1e-3);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Eigen::Vector2d px = pixel(to[i]);
+    if (!found[i] || !within(px, picture.grey.size())) continue;
+    if ((px - pixel(guesses[i])).norm() > radius_px) continue;
+    if (likeness(overlaid.grey(), from[i], picture.grey, to[i]) < kAlike) continue;
+    matches.seen.push_back({matches.expected[i], px});
+  }
+  return matches;
+}
+
+std::vector<Eigen::Vector2d> find_pixels(const WorldMap& map, const Keyframe& keyframe,
+                                         std::span<const Eigen::Vector2d> px, const Keyframe& other,
+                                         const Picture& other_picture) {
+  constexpr double kRadius_px = 40;  // what stands on the ground is seen beside its foot
+  std::vector<Eigen::Vector2d> result(px.size(), Eigen::Vector2d::Constant(kUnknown));
+  const auto H = by_ground(map, keyframe, {map.camera, other.T_camera_world});
+  if (!H) return result;
+  const Overlaid overlaid(*H, keyframe.grey, other.grey.size());
+  std::vector<cv::Point2f> from;
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < px.size(); ++i) {
+    const auto start = overlaid.place(px[i]);
+    if (!start) continue;
+    from.push_back(point(*start));
+    which.push_back(i);
+  }
+  if (from.empty()) return result;
+  std::vector<cv::Point2f> to = from, back = from;
+  std::vector<std::uint8_t> found, found_back;
+  cv::calcOpticalFlowPyrLK(overlaid.grey(), other_picture.pyramid, from, to, found, cv::noArray(),
+                           kFlowWindow_px, kFlowLevels, kFlowEnd, kFlow, 1e-3);
+  back = to;
+  cv::calcOpticalFlowPyrLK(other_picture.pyramid, overlaid.grey(), to, back, found_back,
+                           cv::noArray(), kFlowWindow_px, kFlowLevels, kFlowEnd, kFlow, 1e-3);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Eigen::Vector2d at = pixel(to[i]);
+    if (!found[i] || !found_back[i] || !within(at, other.grey.size())) continue;
+    if ((at - pixel(from[i])).norm() > kRadius_px) continue;
+    if ((pixel(back[i]) - pixel(from[i])).norm() > 0.5) continue;
+    if (likeness(overlaid.grey(), from[i], other.grey, to[i]) < kAlike) continue;
+    result[which[i]] = at;
+  }
+  return result;
+}
+
+std::vector<Observation> follow(const WorldMap& map, const Picture& last,
+                                std::span<const Observation> seen, const Picture& next,
+                                const View& guess) {
+  std::vector<Observation> followed;
+  std::vector<cv::Point2f> from, to;
+  for (const Observation& o : seen) {
+    const auto px = pixel_of(map.points[static_cast<std::size_t>(o.point)].p_world_m, guess);
+    from.push_back(point(o.px));
+    to.push_back(px ? point(*px) : point(o.px));
+  }
+  if (from.empty()) return followed;
+  std::vector<std::uint8_t> found;
+  cv::calcOpticalFlowPyrLK(last.pyramid, next.pyramid, from, to, found, cv::noArray(),
+                           kFlowWindow_px, kFlowLevels, kFlowEnd, kFlow, 1e-3);
+  for (std::size_t i = 0; i < from.size(); ++i)
+    if (found[i] && within(pixel(to[i]), next.grey.size()))
+      followed.push_back({seen[i].point, pixel(to[i])});
+  return followed;
+}
+
+}  // namespace handyar::world

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <opencv2/features2d.hpp>
+#include <opencv2/video/tracking.hpp>
+
+namespace handyar::world {
+namespace {
+
+constexpr int kMostCorners = 600;
+constexpr int kColumns = 10, kRows = 8;  // each cell keeps its best corners
+constexpr int kMostInCell = 2 * kMostCorners / (kColumns * kRows);
+
+// A low threshold, for tables have little contrast; the cells then choose.
+cv::Ptr<cv::ORB> orb() {
+  constexpr int kCandidates = 2500;
+  constexpr float kScale = 1.4f;
+  constexpr int kEdge_px = 16, kPatch_px = 31, kThreshold = 8;
+  return cv::ORB::create(kCandidates, kScale, kCornerLevels, kEdge_px, 0, 2, cv::ORB::HARRIS_SCORE,
+                         kPatch_px, kThreshold);
+}
+
+// The strongest of each cell, so that one busy corner of the picture does not have them all.
+void spread(std::vector<cv::KeyPoint>& keypoints, cv::Size size) {
+  std::sort(keypoints.begin(), keypoints.end(), [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
+    if (a.response != b.response) return a.response > b.response;
+    return a.pt.y != b.pt.y ? a.pt.y < b.pt.y : a.pt.x < b.pt.x;
+  });
+  std::array<int, kColumns * kRows> taken{};
+  std::erase_if(keypoints, [&](const cv::KeyPoint& corner) {
+    const int column = static_cast<int>(corner.pt.x) * kColumns / size.width;
+    const int row = static_cast<int>(corner.pt.y) * kRows / size.height;
+    return ++taken[static_cast<std::size_t>(row * kColumns + column)] > kMostInCell;
+  });
+  if (keypoints.size() > kMostCorners) keypoints.resize(kMostCorners);
+}
+
+}  // namespace
+
+Picture make_picture(const cv::Mat& grey) {
+  Picture picture;
+  picture.grey = grey;
+  cv::buildOpticalFlowPyramid(grey, picture.pyramid, kFlowWindow_px, kFlowLevels);
+  return picture;
+}
+
+Corners find_corners(const cv::Mat& grey, const cv::Mat& free) {
+  Corners corners;
+  orb()->detect(grey, corners.keypoints, free);
+  spread(corners.keypoints, grey.size());
+  corners.descriptors = describe(grey, corners.keypoints);
+  return corners;
+}
+
+cv::Mat describe(const cv::Mat& grey, std::vector<cv::KeyPoint>& corners) {
+  cv::Mat descriptors;
+  orb()->compute(grey, corners, descriptors);
+  return descriptors;
+}
+
+}  // namespace handyar::world

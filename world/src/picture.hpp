@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace handyar::world {
+
+/// The window of optical flow, and how often the picture is halved for it.
+inline const cv::Size kFlowWindow_px{15, 15};
+inline constexpr int kFlowLevels = 3;
+
+/// A grey picture with its pyramid for optical flow.
+struct Picture {
+  cv::Mat grey;  ///< 8-bit
+  std::vector<cv::Mat> pyramid;
+};
+
+Picture make_picture(const cv::Mat& grey);
+
+/// Corners with descriptors, spread over the free part of the picture (255 in `free`; empty: all of
+/// it).
+struct Corners {
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+};
+Corners find_corners(const cv::Mat& grey, const cv::Mat& free);
+
+/// In so many sizes corners are looked for.
+inline constexpr int kCornerLevels = 4;
+
+/// Descriptors of known corners; those for which there is none are taken out.
+cv::Mat describe(const cv::Mat& grey, std::vector<cv::KeyPoint>& corners);
+
+}  // namespace handyar::world
