@@ -42,3 +42,34 @@ export function projectionMatrix(camera, near_m = 0.02, far_m = 10) {
     1 - 2 * (cx_px + 0.5) / w, 2 * (cy_px + 0.5) / h - 1, -(far_m + near_m) / depth_m, -1,
     0, 0, -2 * far_m * near_m / depth_m, 0];
 }
+
+/** The product of two 4x4 matrices, column-major. */
+export function multiply(a, b) {
+  return Array.from({ length: 16 }, (_, i) => {
+    const row = i % 4, column = i - row;
+    return [0, 1, 2, 3].reduce((sum, k) => sum + a[4 * k + row] * b[column + k], 0);
+  });
+}
+
+/** A rotation and what is added to it as a 4x4 matrix, column-major. */
+export function rigid(position, { x, y, z, w }) {
+  return [
+    1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0,
+    2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0,
+    2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0,
+    position.x, position.y, position.z, 1];
+}
+
+/** The rotation of a 4x4 matrix, column-major, as a unit quaternion [x, y, z, w]. */
+export function quaternionOf(T) {
+  const [xx, , , , , yy, , , , , zz] = T;
+  // Of the four squares the largest, so that nothing is divided by little.
+  const squares = [1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz, 1 + xx + yy + zz];
+  const sums = [
+    [squares[0], T[1] + T[4], T[2] + T[8], T[6] - T[9]],
+    [T[1] + T[4], squares[1], T[6] + T[9], T[8] - T[2]],
+    [T[2] + T[8], T[6] + T[9], squares[2], T[1] - T[4]],
+    [T[6] - T[9], T[8] - T[2], T[1] - T[4], squares[3]]];
+  const largest = sums[squares.indexOf(Math.max(...squares))];
+  return largest.map((v) => v / Math.hypot(...largest));
+}

@@ -4,6 +4,8 @@ import { FINGERS, HandTracker, LiveTracker, cameraFromFieldOfView, projectionMat
 import type { Pose, Result } from 'handyar';
 import { HandThree } from 'handyar/three';
 import type { Anchor } from 'handyar/three';
+import { WebXrHand } from 'handyar/webxr';
+import { XRDevice, metaQuest3 } from 'iwer';
 import type { Object3D } from 'three';
 
 export async function track(bitmap: ImageBitmap, video: HTMLVideoElement): Promise<Float32Array> {
@@ -28,4 +30,12 @@ export async function standOnPalm(container: HTMLElement, model: Object3D): Prom
   hand.addAnchor('elbow');
   await hand.start();
   hand.renderer.setAnimationLoop(() => hand.renderer.render(hand.scene, hand.camera));
+}
+
+export async function enterXr(video: HTMLVideoElement): Promise<void> {
+  const device = new XRDevice(metaQuest3);
+  const hand = new WebXrHand(device, { facing: 'environment' });
+  // @ts-expect-error: a camera looks at the person or with them
+  new WebXrHand(device, { facing: 'up' });
+  await LiveTracker.start(video, { onFrame: (tracked) => hand.take(tracked) });
 }
