@@ -277,11 +277,12 @@ TEST_F(CliTest, DebugWritesTheStagesOfTheChosenFrames) {
 }
 
 TEST_F(CliTest, SaysWhatIsMissingWhenNothingWasTracked) {
-  const auto film = [&](const cv::Matx34f& change) {
+  const auto film = [&](const cv::Matx34f& change, const cv::Rect& blob = {}) {
     const auto source = io::open_input(kVideo);
     io::VideoWriter writer(in("f.avi"), source->info().width_px, source->info().height_px, 30);
     for (io::Frame frame; source->read(frame);) {
       cv::transform(frame.bgr, frame.bgr, change);
+      if (!blob.empty()) frame.bgr(blob) = cv::Scalar(110, 140, 200);
       writer.write(frame.bgr, frame.time_s);
     }
     writer.finish();
@@ -293,7 +294,11 @@ TEST_F(CliTest, SaysWhatIsMissingWhenNothingWasTracked) {
   const std::string dark = film({0, 0, 0, 5, 0, 0, 0, 10, 0, 0, 0, 25});
   EXPECT_NE(dark.find("\nthe pictures are too dark"), std::string::npos) << dark;
   const std::string wall = film({0, 0, 0, 180, 0, 0, 0, 120, 0, 0, 0, 60});
-  EXPECT_NE(wall.find("\nno open hand was seen"), std::string::npos) << wall;
+  EXPECT_NE(wall.find("\nnothing of skin's colour was seen"), std::string::npos) << wall;
+  const std::string grey = film({0, 0, 0, 120, 0, 0, 0, 120, 0, 0, 0, 120});
+  EXPECT_NE(grey.find("\nthe pictures are grey"), std::string::npos) << grey;
+  const std::string fist = film({0, 0, 0, 180, 0, 0, 0, 120, 0, 0, 0, 60}, {120, 80, 150, 160});
+  EXPECT_NE(fist.find("\nskin was seen, but not five fingers"), std::string::npos) << fist;
   const std::string skin = film({0, 0, 0, 110, 0, 0, 0, 140, 0, 0, 0, 200});
   EXPECT_NE(skin.find("\nthe hand fills the picture"), std::string::npos) << skin;
   EXPECT_EQ(lines(run("track " + kVideo).out), 1);

@@ -11,8 +11,11 @@ constexpr int kSamples = 2000;     // a frame; some will do
 constexpr double kDarkLuma = 45;   // mean of a picture
 constexpr double kMuchSkin = 0.6;  // share of a picture, more than an open hand takes
 
+constexpr double kSomeSkin = 0.03;  // about an open hand at the farthest
+constexpr double kGreyChroma = 4;  // mean distance of a pixel's channels; a camera's noise has less
+
 struct Look {
-  double skin = 0, luma = 0;
+  double skin = 0, luma = 0, chroma = 0;
 };
 
 // Skin of every tone is redder than it is yellow, and yellower than it is blue.
@@ -28,10 +31,12 @@ Look look_at(const cv::Mat& bgr) {
     for (int x = step / 2; x < bgr.cols; x += step, ++count) {
       const cv::Vec3b& p = bgr.at<cv::Vec3b>(y, x);
       look.skin += like_skin(p[2], p[1], p[0]);
+      look.chroma += std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]});
       look.luma += 0.299 * p[2] + 0.587 * p[1] + 0.114 * p[0];
     }
   look.skin /= count;
   look.luma /= count;
+  look.chroma /= count;
   return look;
 }
 
@@ -44,7 +49,9 @@ void Diagnosis::look(const cv::Mat& bgr, const TrackResult& result) {
   if (result.state == State::tracking) return;
   const Look look = look_at(bgr);
   dark_ += look.luma < kDarkLuma;
+  grey_ += look.chroma < kGreyChroma;
   filled_ += look.skin >= kMuchSkin;
+  skin_ += look.skin >= kSomeSkin;
 }
 
 std::string Diagnosis::missing(const std::string& hand_file) const {
@@ -52,11 +59,13 @@ std::string Diagnosis::missing(const std::string& hand_file) const {
   const auto mostly = [this](std::int64_t count) { return 2 * count > frames_; };
   const bool seen = 20 * acquiring_ >= frames_;
   if (mostly(dark_) && !seen) return "the pictures are too dark";
+  if (mostly(grey_)) return "the pictures are grey: a hand shows in colour";
   if (seen && !hand_file.empty())
     return "a hand was seen that does not fit " + hand_file + "; without --hand any hand will do";
   if (seen) return "a hand was seen, but not for long: spread the fingers and hold it still";
   if (mostly(filled_)) return "the hand fills the picture, it is too near";
-  return "no open hand was seen: show all five fingers, spread";
+  if (mostly(skin_)) return "skin was seen, but not five fingers: spread them";
+  return "nothing of skin's colour was seen: show an open hand";
 }
 
 }  // namespace handyar::cli

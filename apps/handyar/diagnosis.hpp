@@ -20,7 +20,7 @@ class Diagnosis {
 
  private:
   std::int64_t frames_ = 0, tracked_ = 0, acquiring_ = 0;
-  std::int64_t dark_ = 0, filled_ = 0;
+  std::int64_t dark_ = 0, grey_ = 0, filled_ = 0, skin_ = 0;
 };
 
 }  // namespace handyar::cli

@@ -215,6 +215,7 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
       summary.ended_early = true;
       break;
     }
+    if (outputs.viewer && outputs.viewer->take_new_hand()) tracker.reset();
     progress.show(summary.frames, source.info().frame_count,
                   " frames, " + std::to_string(summary.tracked) + " tracked");
   }

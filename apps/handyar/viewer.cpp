@@ -16,8 +16,8 @@ namespace {
 constexpr double kPausedPicture_s = 0.05;
 
 const std::vector<std::string> kHelp = {"space  pause", "a  annotation", "o  next object",
-                                        "m  mirror",    "s  screenshot", "?  this help",
-                                        "q  end"};
+                                        "m  mirror",    "s  screenshot", "r  learn hand anew",
+                                        "?  this help", "q  end"};
 
 // The first of handyar-1.png, handyar-2.png, ... that is not there.
 std::string screenshot_name() {
@@ -42,6 +42,9 @@ void Viewer::obey(char key, const cv::Mat& bgr) {
       return;
     case 'o':
       next_object_ = true;
+      return;
+    case 'r':
+      new_hand_ = true;
       return;
     case '?':
     case 'h':
@@ -79,6 +82,8 @@ bool Viewer::show(const cv::Mat& bgr, double wait_s) {
     paused_s_ += took_s;
   return true;
 }
+
+bool Viewer::take_new_hand() { return std::exchange(new_hand_, false); }
 
 bool Viewer::take_next_object() { return std::exchange(next_object_, false); }
 

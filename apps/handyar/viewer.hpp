@@ -23,12 +23,14 @@ class Viewer {
   double paused_s() const { return paused_s_; }  ///< altogether
   /// Whether another object was asked for since the last call.
   bool take_next_object();
+  /// Whether the hand is to be learned anew, asked since the last call.
+  bool take_new_hand();
 
  private:
   void obey(char key, const cv::Mat& bgr);
 
   bool annotated_, mirrored_;
-  bool help_ = false, paused_ = false, next_object_ = false;
+  bool help_ = false, paused_ = false, next_object_ = false, new_hand_ = false;
   double paused_s_ = 0;
   cv::Mat picture_;
   render::Window window_;

@@ -26,6 +26,9 @@ class AnyTracker {
   std::optional<FilteredPose> predict(double time_s) const noexcept {
     return std::visit([&](const auto& t) { return t.predict(time_s); }, tracker_);
   }
+  void reset() noexcept {
+    std::visit([](auto& t) { t.reset(); }, tracker_);
+  }
   HandMask mask() const noexcept {
     return std::visit([](const auto& t) { return t.mask(); }, tracker_);
   }
