@@ -2,7 +2,7 @@
 # libhandyar-dev to build them, handyar the command line, python3-handyar where it is built.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "the handyar authors")
-set(CPACK_PACKAGE_CONTACT "The handyar authors <handyar@packages.debian.org>")
+set(CPACK_PACKAGE_CONTACT "The handyar authors <authors@handyar.invalid>")  # no mail is read
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
@@ -52,10 +52,12 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS  # of the components io and calibr
 
 handyar_package(program handyar graphics
   "This package has the command line: from a video or a webcam to poses, an\nannotated video or a window.")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libegl1, libgl1-mesa-dri")  # libepoxy opens them itself
 
 if(TARGET python__core)
   list(APPEND CPACK_COMPONENTS_ALL python)
   handyar_package(python python3-handyar python "This package has the module for Python 3.")
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS 
+    "handyar (= ${PROJECT_VERSION}), python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
 endif()
 include(CPack)
