@@ -7,12 +7,8 @@
 static uint8_t rgb[480][640][3];
 
 int main(void) {
-  handyar_camera camera = {.size = sizeof camera}; /* or a calibrated one */
-  handyar_camera_from_field_of_view(640, 480, HANDYAR_FIELD_OF_VIEW_RAD, &camera);
   handyar_tracker* tracker;
-  const handyar_status status = handyar_create(&camera, NULL, NULL, &tracker);
-  if (status != HANDYAR_OK) return fprintf(stderr, "%s\n", handyar_describe(status)), 1;
-
+  if (handyar_create(NULL, NULL, NULL, &tracker) != HANDYAR_OK) return 1;
   const handyar_frame frame = {.size = sizeof frame,
                                .format = HANDYAR_RGB,
                                .width_px = 640,
@@ -22,10 +18,7 @@ int main(void) {
   handyar_result result = {.size = sizeof result};
   for (int i = 0; fread(rgb, sizeof rgb, 1, stdin) == 1; ++i) {
     handyar_process(tracker, &frame, i / 30.0, &result);
-    if (!result.has_pose) continue;
-    double(*T)[4] = result.pose.T_camera_hand;
-    printf("%.2f s  hand at %.3f %.3f %.3f m\n", i / 30.0, T[0][3], T[1][3], T[2][3]);
+    if (result.has_pose) printf("hand at %.3f m\n", result.pose.T_camera_hand[2][3]);
   }
   handyar_destroy(tracker);
-  return 0;
 }

@@ -50,6 +50,14 @@ TEST(Camera, FieldOfViewSpansTheLongerSide) {
   EXPECT_TRUE(landscape.assumed);
 }
 
+TEST(Camera, AnAssumedFieldOfViewHoldsAtEveryAspect) {
+  const Camera wide = Camera::from_field_of_view(640, 480).scaled_to(1920, 1080);
+  const Camera expected = Camera::from_field_of_view(1920, 1080);
+  EXPECT_NEAR(wide.fx_px, expected.fx_px, 1e-9);
+  EXPECT_NEAR(wide.fy_px, expected.fy_px, 1e-9);
+  EXPECT_NEAR(wide.cy_px, expected.cy_px, 1e-9);
+}
+
 TEST(Camera, ScalingKeepsPixelEdgesInPlace) {
   const Camera c = distorted_camera(), half = c.scaled_to(320, 240);
   const Eigen::Vector3d p(0.1, 0.05, 0.6);

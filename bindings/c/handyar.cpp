@@ -334,16 +334,17 @@ handyar_status handyar_create(const handyar_camera* camera, const handyar_hand* 
                               const handyar_options* options, handyar_tracker** tracker) {
   if (tracker == nullptr) return HANDYAR_BAD_ARGUMENT;
   *tracker = nullptr;
-  if (camera == nullptr) return HANDYAR_BAD_ARGUMENT;
-  if (!sized(camera) || (hand != nullptr && !sized(hand)) ||
+  if ((camera != nullptr && !sized(camera)) || (hand != nullptr && !sized(hand)) ||
       (options != nullptr && !sized(options)))
     return HANDYAR_BAD_SIZE;
-  if (!is_valid(taken(*camera)) || (hand != nullptr && !is_valid(taken(*hand))) ||
+  if ((camera != nullptr && !is_valid(taken(*camera))) ||
+      (hand != nullptr && !is_valid(taken(*hand))) ||
       (options != nullptr && !is_valid(taken(*options))))
     return HANDYAR_BAD_ARGUMENT;
-  *tracker = make_tracker(to_cpp(taken(*camera)),
-                          hand != nullptr ? to_cpp(taken(*hand)) : handyar::average_adult_hand(),
-                          options != nullptr ? to_cpp(taken(*options)) : handyar::Config{});
+  *tracker = make_tracker(
+      camera != nullptr ? to_cpp(taken(*camera)) : handyar::Camera::from_field_of_view(640, 480),
+      hand != nullptr ? to_cpp(taken(*hand)) : handyar::average_adult_hand(),
+      options != nullptr ? to_cpp(taken(*options)) : handyar::Config{});
   return *tracker != nullptr ? HANDYAR_OK : HANDYAR_NO_MEMORY;
 }
 

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* handyar for C and for whatever calls C: a bare outstretched hand, used like a printed AR marker.
  *
- *     handyar_camera camera = {.size = sizeof camera};
- *     handyar_camera_from_field_of_view(640, 480, HANDYAR_FIELD_OF_VIEW_RAD, &camera);
  *     handyar_tracker* tracker;
- *     if (handyar_create(&camera, NULL, NULL, &tracker) != HANDYAR_OK) return 1;
+ *     if (handyar_create(NULL, NULL, NULL, &tracker) != HANDYAR_OK) return 1;
  *     handyar_result result = {.size = sizeof result};
  *     while (next_frame(&frame, &time_s)) {
  *       handyar_process(tracker, &frame, time_s, &result);
@@ -233,7 +231,7 @@ enum {
 
 typedef struct handyar_tracker handyar_tracker;
 
-/* `hand` null: the average adult's, and the scale is assumed. `options` null: the usual. The camera
+/* `camera` null: a field of view of 60 degrees is assumed. `hand` null: the average adult's, and the scale is assumed. `options` null: the usual. The camera
  * is rescaled when frames of another size arrive. Anything but HANDYAR_OK sets *tracker to null. */
 HANDYAR_API handyar_status handyar_create(const handyar_camera* camera, const handyar_hand* hand,
                                           const handyar_options* options,

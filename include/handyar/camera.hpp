@@ -25,7 +25,7 @@ struct HANDYAR_API Camera {
   [[nodiscard]] static Camera from_field_of_view(int width_px, int height_px,
                                                  double fov_rad = std::numbers::pi / 3.0);
 
-  /// The same camera read out at another size of the same aspect (pixels scaled, nothing cropped).
+  /// The same camera read out at another size of the same aspect; an assumed one: of any aspect.
   [[nodiscard]] Camera scaled_to(int width_px, int height_px) const;
 
   /// Pixel of a point in the camera frame (metres, z > 0). With `J_px_point`, its 2x3 Jacobian.

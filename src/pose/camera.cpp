@@ -42,8 +42,11 @@ Camera Camera::scaled_to(int new_width_px, int new_height_px) const {
   Camera c = *this;
   c.width_px = new_width_px;
   c.height_px = new_height_px;
-  c.fx_px *= sx;
-  c.fy_px *= sy;
+  // What is assumed is the field of view across the longer side, of square pixels at any aspect.
+  const double longer =
+      static_cast<double>(std::max(new_width_px, new_height_px)) / std::max(width_px, height_px);
+  c.fx_px *= assumed ? longer : sx;
+  c.fy_px *= assumed ? longer : sy;
   c.cx_px = (cx_px + 0.5) * sx - 0.5;  // pixel centres are at whole numbers, edges at halves
   c.cy_px = (cy_px + 0.5) * sy - 0.5;
   return c;

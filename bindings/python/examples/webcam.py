@@ -6,9 +6,7 @@ import cv2
 import handyar
 
 video = cv2.VideoCapture(0)
-size = int(video.get(cv2.CAP_PROP_FRAME_WIDTH)), int(video.get(cv2.CAP_PROP_FRAME_HEIGHT))
-camera = handyar.Camera.from_field_of_view(*size)  # or handyar.io.read_camera("camera.yml")
-tracker = handyar.Tracker(camera, handyar.average_adult_hand())
+tracker = handyar.Tracker()  # or with a camera and a hand from files
 
 while cv2.waitKey(1) != ord("q"):
     there, frame = video.read()

@@ -160,8 +160,8 @@ class TrackResult:
 class Tracker:
     def __init__(
         self,
-        camera: Camera,
-        hand: HandModel,
+        camera: Optional[Camera] = None,
+        hand: Optional[HandModel] = None,
         *,
         side: Optional[Literal["left", "right"]] = None,
         smoothing: float = ...,

@@ -446,19 +446,22 @@ void bind_tracker(py::module_& m) {
 
 The interpreter's lock is released while it works, so trackers run side by side in threads; calls of
 one tracker from several threads wait for each other.)")
-      .def(py::init([](const Camera& camera, const HandModel& hand,
-                       const std::optional<std::string>& side, double smoothing) {
-             Config config;
-             config.side = side_of(side);
-             if (!std::isfinite(smoothing) || smoothing < 0)
-               throw py::value_error("smoothing is not a number of at least 0");
-             config.smoothing = smoothing;
-             return std::make_unique<Tracker>(
-                 TrackerState{camera, HandTracker(camera, hand, config)});
-           }),
-           "camera"_a, "hand"_a, py::kw_only(), "side"_a = py::none(),
-           "smoothing"_a = 1.0,
-           R"(The camera that makes the frames, and the hand that will be shown to it.
+      .def(
+          py::init([](const std::optional<Camera>& given, const std::optional<HandModel>& hand,
+                      const std::optional<std::string>& side, double smoothing) {
+            Config config;
+            config.side = side_of(side);
+            if (!std::isfinite(smoothing) || smoothing < 0)
+              throw py::value_error("smoothing is not a number of at least 0");
+            config.smoothing = smoothing;
+            const Camera camera = given.value_or(Camera::from_field_of_view(640, 480));
+            return std::make_unique<Tracker>(TrackerState{
+                camera, HandTracker(camera, hand.value_or(average_adult_hand()), config)});
+          }),
+          "camera"_a = py::none(), "hand"_a = py::none(), py::kw_only(), "side"_a = py::none(),
+          "smoothing"_a = 1.0,
+          R"(The camera that makes the frames, and the hand that will be shown to it. None: a field of
+view of 60 degrees, the average adult's hand; lengths are then assumed.
 
 The camera is rescaled to frames of another size. side: 'left' or 'right', where it is known which
 hand that is: it tells palm from back. smoothing: 1 as designed; more: smoother, and later when the hand speeds up; 0: the

@@ -40,9 +40,7 @@ def test_fingertips_of_the_hand_model_project_near_those_seen(clip, tracked):
 
 
 def test_without_a_hand_there_is_none_and_nan():
-    tracker = handyar.Tracker(
-        handyar.Camera.from_field_of_view(320, 240), handyar.average_adult_hand()
-    )
+    tracker = handyar.Tracker()
     r = tracker.process(np.zeros((240, 320, 3), np.uint8), 0)
     assert r.state == "searching" and not r.doubtful
     for missing in (r.pose, r.raw_pose, r.covariance, r.velocity_m_s, r.rms_px, r.layout, r.face):
