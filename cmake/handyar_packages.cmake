@@ -57,7 +57,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libegl1, libgl1-mesa-dri")  # libepoxy
 if(TARGET python__core)
   list(APPEND CPACK_COMPONENTS_ALL python)
   handyar_package(python python3-handyar python "This package has the module for Python 3.")
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS 
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "handyar (= ${PROJECT_VERSION}), python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
 endif()
 include(CPack)

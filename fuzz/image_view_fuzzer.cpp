@@ -66,8 +66,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (std::size_t i = 0; i < frames; ++i) {
     const FuzzedFrame frame(rest.subspan(i * share, share));
     const double time_s = static_cast<double>(i) / 30.0;
-    if ((data[0] & 1) != 0) paper_tracker.process(frame.view, time_s);
-    else tracker.process(frame.view, time_s);
+    if ((data[0] & 1) != 0)
+      paper_tracker.process(frame.view, time_s);
+    else
+      tracker.process(frame.view, time_s);
   }
   return 0;
 }

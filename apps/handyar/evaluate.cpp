@@ -164,7 +164,8 @@ Command add_evaluate(CLI::App& app) {
   options->add_option("--square-mm", e->square_mm, "Side of its squares")->check(between(1, 10000));
   options->add_option("--aruco-mm", e->aruco_mm, "Side of an ArUco marker in view")
       ->check(between(1, 10000));
-  options->add_option("--aruco-dictionary", e->aruco_dictionary, "Its dictionary, as OpenCV calls it")
+  options
+      ->add_option("--aruco-dictionary", e->aruco_dictionary, "Its dictionary, as OpenCV calls it")
       ->check(CLI::IsMember(aruco_dictionaries()).description("NAME"))
       ->capture_default_str();
   options->add_option("--apriltag-mm", e->apriltag_mm, "Side of an AprilTag (36h11) in view")

@@ -231,8 +231,9 @@ enum {
 
 typedef struct handyar_tracker handyar_tracker;
 
-/* `camera` null: a field of view of 60 degrees is assumed. `hand` null: the average adult's, and the scale is assumed. `options` null: the usual. The camera
- * is rescaled when frames of another size arrive. Anything but HANDYAR_OK sets *tracker to null. */
+/* `camera` null: a field of view of 60 degrees is assumed. `hand` null: the average adult's, and
+ * the scale is assumed. `options` null: the usual. The camera is rescaled when frames of another
+ * size arrive. Anything but HANDYAR_OK sets *tracker to null. */
 HANDYAR_API handyar_status handyar_create(const handyar_camera* camera, const handyar_hand* hand,
                                           const handyar_options* options,
                                           handyar_tracker** tracker);
