@@ -91,6 +91,45 @@ TEST(Scene, MarkersOrABoardDefineTheWorld) {
       Eigen::Vector3d(0.04, -0.02, 0), 1e-12));
 }
 
+TEST(Scene, OfAMapIsWrittenAndReadAgain) {
+  Scene scene;
+  SceneObject cup;
+  cup.name = "a \"cup\"";
+  cup.size_m = 0.12;
+  cup.colour = {1, 0.2f, 0};
+  cup.attachment = Attachment::palm;
+  cup.T_marker_object.linear() =
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  cup.T_marker_object.translation() = Eigen::Vector3d(0.1, -0.2, 0.03);
+  SceneObject bunny;
+  bunny.name = "bunny";
+  bunny.model = "bunny";
+  scene.objects = {cup, bunny};
+
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "scene_of_a_map_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  scene.map = folder / "maps/room.map";
+  scene.objects[0].model = folder / "cup.obj";
+  write_scene(folder / "desk.json", scene);
+  const Scene read = read_scene(folder / "desk.json");
+  std::filesystem::remove_all(folder);
+
+  EXPECT_EQ(read.map, scene.map);
+  EXPECT_TRUE(read.markers.empty());
+  ASSERT_EQ(read.objects.size(), 2u);
+  const SceneObject& again = read.objects[0];
+  EXPECT_EQ(again.name, cup.name);
+  EXPECT_EQ(again.model, folder / "cup.obj");
+  EXPECT_EQ(again.attachment, Attachment::palm);
+  EXPECT_NEAR(again.size_m, 0.12, 1e-6);
+  EXPECT_NEAR((again.colour - cup.colour).norm(), 0, 0.005);
+  EXPECT_TRUE(again.T_marker_object.isApprox(cup.T_marker_object, 1e-4));
+  EXPECT_EQ(read.objects[1].model, "bunny");
+  EXPECT_TRUE(read.objects[1].T_marker_object.isApprox(Eigen::Isometry3d::Identity()));
+}
+
 TEST(Scene, SaysInOneLineWhatIsWrong) {
   EXPECT_EQ(complaint(two_objects()), "");
   EXPECT_NE(complaint(std::string("{\"objects\": [")).find("json: is not valid JSON: parse error"),

@@ -30,6 +30,7 @@ Command add_board(CLI::App& app);
 Command add_cameras(CLI::App& app);
 Command add_evaluate(CLI::App& app);
 Command add_setup(CLI::App& app);
+Command add_world(CLI::App& app);
 
 /// What an option's number may be; unlike CLI11's own check it does not take nan.
 CLI::Validator between(double low, double high);

@@ -45,7 +45,7 @@ int run(int argc, char** argv) {
   app.formatter(std::make_shared<HelpFormatter>());  // the subcommands take it from here
   app.footer(kExamples);
   const Command commands[] = {
-      add_demo(app),  add_track(app),   add_inspect(app),  add_calibrate(app),
+      add_demo(app),  add_track(app),   add_inspect(app),  add_world(app), add_calibrate(app),
       add_board(app), add_cameras(app), add_evaluate(app), add_setup(app),
   };
   try {

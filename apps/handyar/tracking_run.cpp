@@ -209,6 +209,8 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
     if (debugged) outputs.debug->write(frame.bgr, frame.index, tracker, camera, result);
     if (outputs.recording) outputs.recording->write(frame.bgr, frame.time_s);
     if (outputs.events) changes.tell(*outputs.events, frame.index, result);
+    if (run.observer)
+      run.observer(frame.bgr, frame.index, tracker, camera, result, source.info().live);
     if (summary.tracked == 0) diagnosis.look(frame.bgr, result);
     if ((outputs.pictures() || run.overlay) &&
         !pictures.show(frame, tracker, camera, result, until_due_s())) {

@@ -18,6 +18,11 @@ namespace handyar::cli {
 using Overlay = std::function<void(cv::Mat& bgr, std::int64_t frame, const AnyTracker& tracker,
                                    const Camera& camera, const TrackResult& result)>;
 
+/// What else looks at a frame: called for every frame in turn, before anything is drawn on it.
+using Observer =
+    std::function<void(const cv::Mat& bgr, std::int64_t frame, const AnyTracker& tracker,
+                       const Camera& camera, const TrackResult& result, bool live)>;
+
 /// One run of the tracker over an input; an empty name: not wanted.
 struct TrackingRun {
   std::string input;
@@ -31,6 +36,7 @@ struct TrackingRun {
   Method method = Method::figure;
   Config config;               ///< of Method::figure
   paper::Config paper_config;  ///< of Method::paper
+  Observer observer;
   Overlay overlay;
   std::function<void()> next_object;  ///< what the key for another object does
   bool annotated = true;              ///< contour, fingertips and axes on the pictures

@@ -40,6 +40,8 @@ class Reader {
  private:
   [[noreturn]] void fail(const std::string& fault) const { throw io::Error(path_, at_ + fault); }
 
+  std::filesystem::path folder() const { return std::filesystem::path(path_).parent_path(); }
+
   /// A slip in a key would go unnoticed where the key may be missing.
   void expect_only(const json& in, std::initializer_list<std::string_view> known) const {
     if (!in.is_object()) fail("an object in braces is expected");
@@ -149,7 +151,12 @@ class Reader {
 
   void read_world(const json& world) {
     at_ = "world: ";
-    expect_only(world, {"markers", "board"});
+    expect_only(world, {"markers", "board", "map"});
+    if (world.contains("map")) {
+      if (world.size() > 1) fail("has \"map\" and markers");
+      scene_.map = (folder() / word(world, "map")).string();
+      return;
+    }
     if (world.contains("board")) read_board(world["board"]);
     if (world.contains("markers")) {
       if (!world["markers"].is_array()) fail("\"markers\" is not a list");
@@ -160,7 +167,7 @@ class Reader {
         add_to_world(m);
       }
     }
-    if (scene_.markers.empty()) fail("has neither \"markers\" nor a \"board\"");
+    if (scene_.markers.empty()) fail("has neither \"markers\" nor a \"board\" nor a \"map\"");
   }
 
   void add_to_world(const SceneMarker& m) {
@@ -191,12 +198,12 @@ class Reader {
   }
 
   void read_object(const json& in) {
-    const bool has_world = !scene_.markers.empty() && scene_.markers.front().T_world_marker;
+    const bool has_world =
+        !scene_.map.empty() || (!scene_.markers.empty() && scene_.markers.front().T_world_marker);
     expect_only(in, {"name", "marker", "model", "colour", "size_mm", "pose", "attach"});
     SceneObject o;
     o.model = word(in, "model");
-    const std::filesystem::path folder = std::filesystem::path(path_).parent_path();
-    if (o.model != "teapot" && o.model != "bunny") o.model = (folder / o.model).string();
+    if (o.model != "teapot" && o.model != "bunny") o.model = (folder() / o.model).string();
     o.name = in.contains("name") ? word(in, "name")
                                  : "object " + std::to_string(scene_.objects.size() + 1);
     for (const SceneObject& other : scene_.objects)
@@ -230,10 +237,52 @@ class Reader {
   Scene scene_;
 };
 
+/// To a thousandth, of a millimetre or a degree.
+json triple_of(const Eigen::Vector3d& v) {
+  const Eigen::Vector3d rounded = (1000 * v).array().round() / 1000;
+  return {rounded.x(), rounded.y(), rounded.z()};
+}
+
+json pose_of(const Eigen::Isometry3d& T) {
+  const Eigen::Vector3d zyx_rad = T.linear().eulerAngles(2, 1, 0);
+  json out;
+  out["position_mm"] = triple_of(1000 * T.translation());
+  out["rotation_deg"] = triple_of(zyx_rad.reverse() * (180 / M_PI));
+  return out;
+}
+
+std::string colour_of(const Eigen::Vector3f& colour) {
+  const Eigen::Vector3i c = (255 * colour).array().round().cast<int>();
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", c[0] & 255, c[1] & 255, c[2] & 255);
+  return text;
+}
+
 }  // namespace
 
 Scene parse_scene(std::string_view text, const std::string& path) {
   return io::parse_json(text, path, [&](const json& root) { return Reader(path).read(root); });
+}
+
+void write_scene(const std::string& path, const Scene& scene) {
+  namespace fs = std::filesystem;
+  const auto from_folder = [&](const std::string& file) {
+    return fs::proximate(file, fs::absolute(path).parent_path()).string();
+  };
+  json root = {{"format", "handyar-scene"},
+               {"version", 1},
+               {"world", {{"map", from_folder(scene.map)}}},
+               {"objects", json::array()}};
+  for (const SceneObject& o : scene.objects) {
+    const bool built_in = o.model == "teapot" || o.model == "bunny";
+    root["objects"].push_back({{"name", o.name},
+                               {"model", built_in ? o.model : from_folder(o.model)},
+                               {"colour", colour_of(o.colour)},
+                               {"size_mm", 1000 * o.size_m},
+                               {"attach", name(o.attachment)},
+                               {"pose", pose_of(o.T_marker_object)}});
+  }
+  io::write_text(path, root.dump(1) + "\n");
 }
 
 Scene read_scene(const std::string& path) { return parse_scene(io::read_text(path), path); }

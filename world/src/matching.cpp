@@ -28,7 +28,8 @@ bool within(const Eigen::Vector2d& px, const cv::Size& size) {
 std::optional<Eigen::Matrix3d> by_ground(const WorldMap& map, const Keyframe& keyframe,
                                          const View& view) {
   Eigen::Hyperplane<double, 3> plane = map.ground;
-  plane.transform(Eigen::Affine3d(keyframe.T_camera_world));  // n . p + offset = 0 in the keyframe's camera frame
+  plane.transform(Eigen::Affine3d(
+      keyframe.T_camera_world));  // n . p + offset = 0 in the keyframe's camera frame
   if (std::abs(plane.offset()) < 0.02) return std::nullopt;  // seen edge-on
   const Eigen::Isometry3d T = view.T_camera_world * keyframe.T_camera_world.inverse();
   const Eigen::Matrix3d between =

@@ -32,8 +32,10 @@ struct SceneObject {
   Eigen::Isometry3d T_marker_object = Eigen::Isometry3d::Identity();
 };
 
-/// World-stabilised objects and the markers that hold the world (paper 3.3).
+/// World-stabilised objects and what holds the world: markers (paper 3.3), or a map that the hand
+/// has set up.
 struct Scene {
+  std::string map;  ///< file of the map, without markers; empty: markers
   std::vector<SceneMarker> markers;
   std::vector<SceneObject> objects;
 };
@@ -42,7 +44,11 @@ struct Scene {
 /// but the models themselves is checked; throws io::Error with one line that names file and fault.
 Scene read_scene(const std::string& path);
 
-/// The same from text; `path` stands for the file in messages and for its folder.
+/// Writes a scene of a map; its file and the models are told from the scene's folder where they lie
+/// in it. Throws io::Error.
+void write_scene(const std::string& path, const Scene& scene);
+
+/// The same as read_scene from text; `path` stands for the file in messages and for its folder.
 Scene parse_scene(std::string_view text, const std::string& path);
 
 }  // namespace handyar::render
