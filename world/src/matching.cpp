@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "matching.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
@@ -42,6 +43,13 @@ std::optional<Eigen::Matrix3d> by_ground(const WorldMap& map, const Keyframe& ke
   return intrinsics(view.camera) * between * intrinsics(map.camera).inverse();
 }
 
+/// The middle one, which moves to the middle.
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// A keyframe laid over a picture.
 class Overlaid {
  public:
@@ -64,7 +72,31 @@ class Overlaid {
     return within(at, grey_.size()) ? std::optional(at) : std::nullopt;
   }
 
+  /// As bright and as rich in contrast as the picture, by patches that show about the same in both:
+  /// cameras expose anew when they have looked elsewhere, and optical flow compares grey values.
+  void expose_like(const cv::Mat& picture, std::span<const cv::Point2f> here,
+                   std::span<const cv::Point2f> there) {
+    std::vector<double> gains, offsets;
+    std::vector<Eigen::Vector2d> means;
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      cv::Scalar mean[2], deviation[2];
+      cv::meanStdDev(patch(grey_, here[i]), mean[0], deviation[0]);
+      cv::meanStdDev(patch(picture, there[i]), mean[1], deviation[1]);
+      gains.push_back(deviation[1][0] / std::max(1.0, deviation[0][0]));
+      means.emplace_back(mean[0][0], mean[1][0]);
+    }
+    const double gain = std::clamp(median(gains), 0.25, 4.0);
+    for (const Eigen::Vector2d& mean : means) offsets.push_back(mean[1] - gain * mean[0]);
+    grey_.convertTo(grey_, -1, gain, median(offsets));
+  }
+
  private:
+  static cv::Mat patch(const cv::Mat& grey, const cv::Point2f& at) {
+    const cv::Point corner(static_cast<int>(at.x) - kPatch_px.width / 2,
+                           static_cast<int>(at.y) - kPatch_px.height / 2);
+    return grey(cv::Rect(corner, kPatch_px));
+  }
+
   Eigen::Matrix3d H_;
   cv::Mat grey_;
 };
@@ -118,7 +150,7 @@ Matches find_in_picture(const WorldMap& map, const Keyframe& keyframe, const Pic
   Matches matches;
   const auto H = by_ground(map, keyframe, view);
   if (!H) return matches;
-  const Overlaid overlaid(*H, keyframe.grey, picture.grey.size());
+  Overlaid overlaid(*H, keyframe.grey, picture.grey.size());
   std::vector<cv::Point2f> from, to;
   const std::size_t count = keyframe.observations.size();
   const std::size_t stride =
@@ -136,6 +168,7 @@ Matches find_in_picture(const WorldMap& map, const Keyframe& keyframe, const Pic
     to.push_back(point(*guess));
   }
   if (from.empty()) return matches;
+  overlaid.expose_like(picture.grey, from, to);
   const std::vector<cv::Point2f> guesses = to;
   std::vector<std::uint8_t> found;
   cv::calcOpticalFlowPyrLK(overlaid.grey(), picture.pyramid, from, to, found, cv::noArray(),
@@ -157,7 +190,7 @@ std::vector<Eigen::Vector2d> find_pixels(const WorldMap& map, const Keyframe& ke
   std::vector<Eigen::Vector2d> result(px.size(), Eigen::Vector2d::Constant(kUnknown));
   const auto H = by_ground(map, keyframe, {map.camera, other.T_camera_world});
   if (!H) return result;
-  const Overlaid overlaid(*H, keyframe.grey, other.grey.size());
+  Overlaid overlaid(*H, keyframe.grey, other.grey.size());
   std::vector<cv::Point2f> from;
   std::vector<std::size_t> which;
   for (std::size_t i = 0; i < px.size(); ++i) {
@@ -167,6 +200,7 @@ std::vector<Eigen::Vector2d> find_pixels(const WorldMap& map, const Keyframe& ke
     which.push_back(i);
   }
   if (from.empty()) return result;
+  overlaid.expose_like(other.grey, from, from);
   std::vector<cv::Point2f> to = from, back = from;
   std::vector<std::uint8_t> found, found_back;
   cv::calcOpticalFlowPyrLK(overlaid.grey(), other_picture.pyramid, from, to, found, cv::noArray(),

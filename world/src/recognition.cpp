@@ -10,61 +10,74 @@
 namespace handyar::world {
 namespace {
 
-constexpr int kFewestMatches = 12, kFewestInliers = 10;
+constexpr std::size_t kFewestMatches = 12;
+constexpr int kFewestInliers = 10;
 constexpr float kMostBits = 64;    // of 256, in which the same corner may look otherwise
 constexpr float kOnlyOne = 0.85f;  // the next best must look that much less alike
 constexpr std::size_t kKeyframes = 3;
-constexpr float kReprojection_px = 4;
+constexpr int kHypotheses = 200;
+constexpr float kReprojection_px = 4;  // in a picture 640 pixels wide
+constexpr Belief kLikely{15, 0.25, 3};
 
-struct Pairs {
-  std::vector<cv::Point3f> world_m;
-  std::vector<cv::Point2f> px;
-};
-
-Pairs pairs_with(const WorldMap& map, const Keyframe& keyframe, const Corners& corners) {
-  Pairs pairs;
+/// Points of the map that a keyframe shows, where corners of a picture look like them.
+std::vector<Observation> alike(const Keyframe& keyframe, const Corners& corners) {
   std::vector<std::vector<cv::DMatch>> matches;
   cv::BFMatcher(cv::NORM_HAMMING).knnMatch(corners.descriptors, keyframe.descriptors, matches, 2);
+  std::vector<Observation> pairs;
   for (const auto& best : matches) {
     if (best.size() < 2 || best[0].distance > kMostBits) continue;
     if (best[0].distance > kOnlyOne * best[1].distance) continue;
     const int point = keyframe.corner_points[static_cast<std::size_t>(best[0].trainIdx)];
     if (point < 0) continue;
-    const Eigen::Vector3f p = map.points[static_cast<std::size_t>(point)].p_world_m.cast<float>();
-    pairs.world_m.emplace_back(p.x(), p.y(), p.z());
-    pairs.px.push_back(corners.keypoints[static_cast<std::size_t>(best[0].queryIdx)].pt);
+    const cv::Point2f& px = corners.keypoints[static_cast<std::size_t>(best[0].queryIdx)].pt;
+    pairs.push_back({point, {px.x, px.y}});
   }
   return pairs;
 }
 
+/// The pose on which most of the pairs agree, by all of those.
+std::optional<Resection> pose_of(const WorldMap& map, const std::vector<Observation>& pairs,
+                                 const Camera& camera) {
+  std::vector<cv::Point3f> world_m;
+  std::vector<cv::Point2f> px;
+  for (const Observation& o : pairs) {
+    const Eigen::Vector3f p = map.points[static_cast<std::size_t>(o.point)].p_world_m.cast<float>();
+    world_m.emplace_back(p.x(), p.y(), p.z());
+    px.emplace_back(static_cast<float>(o.px.x()), static_cast<float>(o.px.y()));
+  }
+  cv::Vec3d rotation, translation;
+  std::vector<int> inliers;
+  const bool solved = cv::solvePnPRansac(
+      world_m, px, camera_matrix(camera), camera.distortion, rotation, translation, false,
+      kHypotheses, kReprojection_px * static_cast<float>(camera.width_px) / 640, 0.99, inliers,
+      cv::SOLVEPNP_AP3P);
+  if (!solved || std::ssize(inliers) < kFewestInliers) return std::nullopt;
+  std::vector<Observation> agreeing;
+  for (const int i : inliers) agreeing.push_back(pairs[static_cast<std::size_t>(i)]);
+  return resect(map, agreeing, camera, isometry(rotation, translation));
+}
+
 }  // namespace
 
-std::optional<Eigen::Isometry3d> recognise(const WorldMap& map, const Picture& picture,
-                                           const cv::Mat& free, const Camera& camera) {
+std::optional<Seen> recognise(const WorldMap& map, const Picture& picture, const cv::Mat& free,
+                              const Camera& camera) {
   const Corners corners = find_corners(picture.grey, free);
-  if (std::ssize(corners.keypoints) < kFewestMatches) return std::nullopt;
-  std::vector<Pairs> candidates;
+  if (corners.keypoints.size() < kFewestMatches) return std::nullopt;
+  std::vector<std::vector<Observation>> candidates;
   for (const Keyframe& keyframe : map.keyframes)
-    if (keyframe.descriptors.rows >= 2) candidates.push_back(pairs_with(map, keyframe, corners));
+    if (keyframe.descriptors.rows >= 2) candidates.push_back(alike(keyframe, corners));
   std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Pairs& a, const Pairs& b) { return a.px.size() > b.px.size(); });
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
   if (candidates.size() > kKeyframes) candidates.resize(kKeyframes);
 
-  std::optional<Eigen::Isometry3d> best;
-  std::ptrdiff_t most = kFewestInliers - 1;
-  for (const Pairs& pairs : candidates) {
-    if (std::ssize(pairs.px) < kFewestMatches) break;
-    cv::Vec3d rotation, translation;
-    std::vector<int> inliers;
-    const bool solved = cv::solvePnPRansac(
-        pairs.world_m, pairs.px, camera_matrix(camera), camera.distortion, rotation, translation,
-        false, 100, kReprojection_px * static_cast<float>(camera.width_px) / 640, 0.99, inliers,
-        cv::SOLVEPNP_AP3P);
-    if (!solved || std::ssize(inliers) <= most) continue;
-    most = std::ssize(inliers);
-    best = isometry(rotation, translation);
+  std::optional<Resection> best;
+  for (const std::vector<Observation>& pairs : candidates) {
+    if (pairs.size() < kFewestMatches) break;
+    auto pose = pose_of(map, pairs, camera);
+    if (pose && (!best || pose->inliers.size() > best->inliers.size())) best = std::move(pose);
   }
-  return best;
+  if (!best) return std::nullopt;
+  return look_twice(map, picture, free, {camera, best->T_camera_world}, kLikely);
 }
 
 }  // namespace handyar::world

@@ -3,14 +3,14 @@
 
 #include <optional>
 
-#include "handyar/world/world_map.hpp"
-#include "picture.hpp"
+#include "look.hpp"
 
 namespace handyar::world {
 
-/// A pose in which a picture that nothing is known of may show the map: corners alike by their
-/// descriptors, and enough of them in agreement. It is a guess, to be confirmed by looking.
-std::optional<Eigen::Isometry3d> recognise(const WorldMap& map, const Picture& picture,
-                                           const cv::Mat& free, const Camera& camera);
+/// The map in a picture of which nothing is known: corners alike by their descriptors, a pose that
+/// enough of them agree on, and then a look whether the map is there. It is to be confirmed in the
+/// next picture.
+std::optional<Seen> recognise(const WorldMap& map, const Picture& picture, const cv::Mat& free,
+                              const Camera& camera);
 
 }  // namespace handyar::world
