@@ -11,6 +11,7 @@
 #include "clip.hpp"
 #include "handyar/opencv/aruco.hpp"
 #include "handyar/paper/tracker.hpp"
+#include "handyar/world/world_tracker.hpp"
 
 namespace handyar::benchmarks {
 namespace {
@@ -121,6 +122,33 @@ void searching(benchmark::State& state, const Clip& film) {
   stages.report(state);
 }
 
+/// Hand and world together, mapping on a thread of its own; frames in which the hand is tracked in
+/// a world that it has set count.
+void world(benchmark::State& state, const Clip& film) {
+  cv::setNumThreads(1);
+  HandTracker hands = figure(film);
+  world::WorldTracker worlds(film.camera, world::Mapping::background);
+  Swing swing(static_cast<int>(film.frames.size()));
+  double time_s = 0;
+  const auto process_next = [&] {
+    const cv::Mat& frame = film.frames[swing.next()];
+    const TrackResult hand = hands.process(view(frame), time_s += kFrame_s);
+    return worlds.process(frame, time_s, world::HandInWorld::of(hands, hand)).state;
+  };
+  for (int tries = 0; tries < 60 && process_next() != world::WorldState::tracked;) ++tries;
+  std::vector<double> total_ms;
+  for (auto _ : state) {
+    const double start_s = now_s();
+    const world::WorldState seen = process_next();
+    const double took_s = now_s() - start_s;
+    state.SetIterationTime(took_s);
+    if (seen == world::WorldState::tracked) total_ms.push_back(1e3 * took_s);
+  }
+  if (total_ms.empty()) return state.SkipWithError("the world was never tracked");
+  state.counters["total"] = quantile(total_ms, 0.5);
+  state.counters["p99"] = quantile(total_ms, 0.99);
+}
+
 /// Median time of a function of a frame.
 template <class Function>
 void time_frames(benchmark::State& state, const Clip& film, const Function& function) {
@@ -188,6 +216,7 @@ void register_tracker_benchmarks() {
     add(size + "/searching", [film](Run& s) { searching(s, film()); });
     add(size + "/finding", [film](Run& s) { finding(s, film()); });
     add(size + "/tracking", [film](Run& s) { tracking(s, film(), figure(film())); });
+    add(size + "/world", [film](Run& s) { world(s, film()); });
     add(size + "/aruco", [film](Run& s) { aruco(s, film()); });
     add(size + "/copy", [film](Run& s) { copy_of_the_frame(s, film()); });
   }

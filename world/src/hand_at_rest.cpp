@@ -32,8 +32,7 @@ HandAtRest::Rest HandAtRest::update(const Picture& picture, double time_s, const
 bool HandAtRest::begin(const Picture& picture, double time_s, const HandInWorld& hand,
                        const cv::Mat& free) {
   start_.reset();
-  std::vector<cv::Point2f> corners_px;
-  cv::KeyPoint::convert(find_corners(picture.grey, free).keypoints, corners_px);
+  std::vector<cv::Point2f> corners_px = find_spots(picture.grey, free);
   if (corners_px.size() < kFewest) return false;
   now_px_ = corners_px;
   start_ = Start{picture, time_s, *hand.T_camera_hand, std::move(corners_px)};

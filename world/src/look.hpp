@@ -23,7 +23,7 @@ struct Seen {
   std::size_t reference = 0;  ///< the keyframe looked for
 };
 
-inline constexpr std::size_t kMostPoints = 150;  ///< looked for in a picture
+inline constexpr std::size_t kMostPoints = 100;  ///< looked for in a picture
 
 /// The keyframe of which most is in view, from most nearly the same side.
 std::size_t reference_for(const WorldMap& map, const View& view);

@@ -2,6 +2,7 @@
 #include "matching.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
@@ -14,10 +15,9 @@ namespace handyar::world {
 namespace {
 
 constexpr double kMargin_px = 8;  // from the picture's edge: half a window
-constexpr double kAlike = 0.75;   // least correlation of two patches that show the same
+constexpr float kAlike = 0.75f;   // least correlation of two patches that show the same
 constexpr double kLeastScale = 0.4, kMostScale = 2.5;  // of the keyframe in the picture
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-const cv::Size kPatch_px{11, 11};
 
 bool within(const Eigen::Vector2d& px, const cv::Size& size) {
   return px.x() >= kMargin_px && px.y() >= kMargin_px && px.x() < size.width - kMargin_px &&
@@ -50,13 +50,81 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-/// A keyframe laid over a picture.
+/// Between the pixels of a picture, x and y not negative and less than its last column and row.
+float bilinear(const cv::Mat& grey, float x, float y) {
+  const int column = static_cast<int>(x), row = static_cast<int>(y);
+  const float right = x - static_cast<float>(column), low = y - static_cast<float>(row);
+  const std::uint8_t* const above = grey.ptr(row) + column;
+  const std::uint8_t* const below = grey.ptr(row + 1) + column;
+  return (1 - low) * ((1 - right) * above[0] + right * above[1]) +
+         low * ((1 - right) * below[0] + right * below[1]);
+}
+
+/// The square of 11 x 11 grey values round a point that is within() a picture, bilinear between
+/// pixels.
+class Patch {
+ public:
+  Patch(const cv::Mat& grey, const cv::Point2f& at) {
+    for (int i = 0; i < kSide; ++i)
+      for (int j = 0; j < kSide; ++j)
+        greys_[static_cast<std::size_t>(i * kSide + j)] = bilinear(
+            grey, at.x + static_cast<float>(j - kReach), at.y + static_cast<float>(i - kReach));
+    for (const float value : greys_) mean_ += value / kSide / kSide;
+    for (float& value : greys_) value -= mean_;
+    for (const float value : greys_) deviation_ += value * value / kSide / kSide;
+    deviation_ = std::sqrt(deviation_);
+  }
+
+  float mean() const { return mean_; }
+  float deviation() const { return deviation_; }
+
+  /// Correlation, -1 .. 1; 0 where one of them shows nothing.
+  friend float likeness(const Patch& a, const Patch& b) {
+    if (a.deviation_ < 2 || b.deviation_ < 1) return 0;
+    float sum = 0;
+    for (std::size_t i = 0; i < a.greys_.size(); ++i) sum += a.greys_[i] * b.greys_[i];
+    return sum / (kSide * kSide * a.deviation_ * b.deviation_);
+  }
+
+ private:
+  static constexpr int kReach = 5, kSide = 2 * kReach + 1;
+  std::array<float, kSide * kSide> greys_;  // less their mean
+  float mean_ = 0, deviation_ = 0;
+};
+
+/// A keyframe laid over a picture, as far as it is needed; the rest is black.
 class Overlaid {
  public:
-  Overlaid(const Eigen::Matrix3d& H, const cv::Mat& keyframe, const cv::Size& size) : H_(H) {
+  Overlaid(const Eigen::Matrix3d& H, const cv::Mat& keyframe, const cv::Size& size)
+      : H_(H), keyframe_(keyframe), grey_(size, CV_8U, cv::Scalar(0)) {}
+
+  void lay() {
     cv::Mat H_cv;
-    cv::eigen2cv(H, H_cv);
-    cv::warpPerspective(keyframe, grey_, H_cv, size);
+    cv::eigen2cv(H_, H_cv);
+    cv::warpPerspective(keyframe_, grey_, H_cv, grey_.size());
+  }
+
+  /// Only squares round some pixels, which takes less time.
+  void lay(std::span<const cv::Point2f> middles, int reach_px) {
+    const Eigen::Matrix3f back = H_.inverse().cast<float>();
+    const cv::Size inner(keyframe_.cols - 1, keyframe_.rows - 1);
+    const cv::Point reach(reach_px, reach_px);
+    for (const cv::Point2f& middle : middles) {
+      const cv::Rect square =
+          cv::Rect(cv::Point(middle) - reach, cv::Size(2 * reach_px + 1, 2 * reach_px + 1)) &
+          cv::Rect({}, grey_.size());
+      for (int y = square.y; y < square.br().y; ++y)
+        for (int x = square.x; x < square.br().x; ++x) {
+          const Eigen::Vector3f at =
+              back * Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), 1);
+          const float u = at.x() / at.z(), v = at.y() / at.z();
+          if (!(u >= 0 && v >= 0 && u < static_cast<float>(inner.width) &&
+                v < static_cast<float>(inner.height)))
+            continue;
+          grey_.at<std::uint8_t>(y, x) =
+              static_cast<std::uint8_t>(bilinear(keyframe_, u, v) + 0.5f);
+        }
+    }
   }
 
   const cv::Mat& grey() const { return grey_; }
@@ -77,42 +145,21 @@ class Overlaid {
   void expose_like(const cv::Mat& picture, std::span<const cv::Point2f> here,
                    std::span<const cv::Point2f> there) {
     std::vector<double> gains, offsets;
-    std::vector<Eigen::Vector2d> means;
+    std::vector<std::pair<Patch, Patch>> patches;
     for (std::size_t i = 0; i < here.size(); ++i) {
-      cv::Scalar mean[2], deviation[2];
-      cv::meanStdDev(patch(grey_, here[i]), mean[0], deviation[0]);
-      cv::meanStdDev(patch(picture, there[i]), mean[1], deviation[1]);
-      gains.push_back(deviation[1][0] / std::max(1.0, deviation[0][0]));
-      means.emplace_back(mean[0][0], mean[1][0]);
+      const auto& [a, b] = patches.emplace_back(Patch(grey_, here[i]), Patch(picture, there[i]));
+      gains.push_back(b.deviation() / std::max(1.0f, a.deviation()));
     }
     const double gain = std::clamp(median(gains), 0.25, 4.0);
-    for (const Eigen::Vector2d& mean : means) offsets.push_back(mean[1] - gain * mean[0]);
+    for (const auto& [a, b] : patches) offsets.push_back(b.mean() - gain * a.mean());
     grey_.convertTo(grey_, -1, gain, median(offsets));
   }
 
  private:
-  static cv::Mat patch(const cv::Mat& grey, const cv::Point2f& at) {
-    const cv::Point corner(static_cast<int>(at.x) - kPatch_px.width / 2,
-                           static_cast<int>(at.y) - kPatch_px.height / 2);
-    return grey(cv::Rect(corner, kPatch_px));
-  }
-
   Eigen::Matrix3d H_;
+  const cv::Mat& keyframe_;
   cv::Mat grey_;
 };
-
-/// Correlation of two patches, -1 .. 1; 0 where one of them shows nothing.
-double likeness(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b,
-                const cv::Point2f& at_b) {
-  cv::Mat patch_a, patch_b, correlation;
-  cv::getRectSubPix(a, kPatch_px, at_a, patch_a, CV_32F);
-  cv::getRectSubPix(b, kPatch_px, at_b, patch_b, CV_32F);
-  cv::Scalar mean, deviation;
-  cv::meanStdDev(patch_a, mean, deviation);
-  if (deviation[0] < 2) return 0;
-  cv::matchTemplate(patch_a, patch_b, correlation, cv::TM_CCOEFF_NORMED);
-  return correlation.at<float>(0);
-}
 
 cv::Point2f point(const Eigen::Vector2d& px) {
   return {static_cast<float>(px.x()), static_cast<float>(px.y())};
@@ -168,16 +215,19 @@ Matches find_in_picture(const WorldMap& map, const Keyframe& keyframe, const Pic
     to.push_back(point(*guess));
   }
   if (from.empty()) return matches;
+  // Optical flow reaches as far as half its window; farther in smaller pictures.
+  const int levels = radius_px < 0.6 * kFlowWindow_px.width ? 0 : 1;
+  overlaid.lay(from, (kFlowWindow_px.width / 2 + 3) << levels);
   overlaid.expose_like(picture.grey, from, to);
   const std::vector<cv::Point2f> guesses = to;
   std::vector<std::uint8_t> found;
   cv::calcOpticalFlowPyrLK(overlaid.grey(), picture.pyramid, from, to, found, cv::noArray(),
-                           kFlowWindow_px, 1, kFlowEnd, kFlow, 1e-3);
+                           kFlowWindow_px, levels, kFlowEnd, kFlow, 1e-3);
   for (std::size_t i = 0; i < from.size(); ++i) {
     const Eigen::Vector2d px = pixel(to[i]);
     if (!found[i] || !within(px, picture.grey.size())) continue;
     if ((px - pixel(guesses[i])).norm() > radius_px) continue;
-    if (likeness(overlaid.grey(), from[i], picture.grey, to[i]) < kAlike) continue;
+    if (likeness(Patch(overlaid.grey(), from[i]), Patch(picture.grey, to[i])) < kAlike) continue;
     matches.seen.push_back({matches.expected[i], px});
   }
   return matches;
@@ -200,6 +250,7 @@ std::vector<Eigen::Vector2d> find_pixels(const WorldMap& map, const Keyframe& ke
     which.push_back(i);
   }
   if (from.empty()) return result;
+  overlaid.lay();
   overlaid.expose_like(other.grey, from, from);
   std::vector<cv::Point2f> to = from, back = from;
   std::vector<std::uint8_t> found, found_back;
@@ -213,7 +264,7 @@ std::vector<Eigen::Vector2d> find_pixels(const WorldMap& map, const Keyframe& ke
     if (!found[i] || !found_back[i] || !within(at, other.grey.size())) continue;
     if ((at - pixel(from[i])).norm() > kRadius_px) continue;
     if ((pixel(back[i]) - pixel(from[i])).norm() > 0.5) continue;
-    if (likeness(overlaid.grey(), from[i], other.grey, to[i]) < kAlike) continue;
+    if (likeness(Patch(overlaid.grey(), from[i]), Patch(other.grey, to[i])) < kAlike) continue;
     result[which[i]] = at;
   }
   return result;

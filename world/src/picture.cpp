@@ -13,17 +13,18 @@ constexpr int kMostCorners = 600;
 constexpr int kColumns = 10, kRows = 8;  // each cell keeps its best corners
 constexpr int kMostInCell = 2 * kMostCorners / (kColumns * kRows);
 
-// A low threshold, for tables have little contrast; the cells then choose.
+constexpr int kThreshold = 8;  // low, for tables have little contrast; the cells then choose
+
 cv::Ptr<cv::ORB> orb() {
   constexpr int kCandidates = 2500;
   constexpr float kScale = 1.4f;
-  constexpr int kEdge_px = 16, kPatch_px = 31, kThreshold = 8;
+  constexpr int kEdge_px = 16, kPatch_px = 31;
   return cv::ORB::create(kCandidates, kScale, kCornerLevels, kEdge_px, 0, 2, cv::ORB::HARRIS_SCORE,
                          kPatch_px, kThreshold);
 }
 
 // The strongest of each cell, so that one busy corner of the picture does not have them all.
-void spread(std::vector<cv::KeyPoint>& keypoints, cv::Size size) {
+void spread(std::vector<cv::KeyPoint>& keypoints, cv::Size size, int most_in_cell) {
   std::sort(keypoints.begin(), keypoints.end(), [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
     if (a.response != b.response) return a.response > b.response;
     return a.pt.y != b.pt.y ? a.pt.y < b.pt.y : a.pt.x < b.pt.x;
@@ -32,9 +33,8 @@ void spread(std::vector<cv::KeyPoint>& keypoints, cv::Size size) {
   std::erase_if(keypoints, [&](const cv::KeyPoint& corner) {
     const int column = static_cast<int>(corner.pt.x) * kColumns / size.width;
     const int row = static_cast<int>(corner.pt.y) * kRows / size.height;
-    return ++taken[static_cast<std::size_t>(row * kColumns + column)] > kMostInCell;
+    return ++taken[static_cast<std::size_t>(row * kColumns + column)] > most_in_cell;
   });
-  if (keypoints.size() > kMostCorners) keypoints.resize(kMostCorners);
 }
 
 }  // namespace
@@ -49,9 +49,19 @@ Picture make_picture(const cv::Mat& grey) {
 Corners find_corners(const cv::Mat& grey, const cv::Mat& free) {
   Corners corners;
   orb()->detect(grey, corners.keypoints, free);
-  spread(corners.keypoints, grey.size());
+  spread(corners.keypoints, grey.size(), kMostInCell);
+  if (corners.keypoints.size() > kMostCorners) corners.keypoints.resize(kMostCorners);
   corners.descriptors = describe(grey, corners.keypoints);
   return corners;
+}
+
+std::vector<cv::Point2f> find_spots(const cv::Mat& grey, const cv::Mat& free) {
+  std::vector<cv::KeyPoint> keypoints;
+  cv::FastFeatureDetector::create(kThreshold)->detect(grey, keypoints, free);
+  spread(keypoints, grey.size(), 1);
+  std::vector<cv::Point2f> spots_px;
+  cv::KeyPoint::convert(keypoints, spots_px);
+  return spots_px;
 }
 
 cv::Mat describe(const cv::Mat& grey, std::vector<cv::KeyPoint>& corners) {

@@ -26,6 +26,10 @@ struct Corners {
 };
 Corners find_corners(const cv::Mat& grey, const cv::Mat& free);
 
+/// The strongest corner of each part of the picture that is free, without a descriptor: quickly
+/// found, to be followed.
+std::vector<cv::Point2f> find_spots(const cv::Mat& grey, const cv::Mat& free);
+
 /// In so many sizes corners are looked for.
 inline constexpr int kCornerLevels = 4;
 

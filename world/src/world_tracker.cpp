@@ -19,9 +19,9 @@
 namespace handyar::world {
 namespace {
 
-// What was recognised is believed when the next frame shows it too, and then more is asked.
-constexpr Belief kGoOn{12, 0.35, 3};
-constexpr Belief kConfirm{25, 0.45, 4};
+// A sure look is enough; else it is looked again from where it led. What was recognised is believed
+// when the next frame shows it too, and then more is asked.
+constexpr Belief kSure{25, 0.5, 4}, kGoOn{12, 0.35, 3}, kConfirm{25, 0.45, 4};
 
 // When the view differs so much from every keyframe, it becomes one.
 constexpr double kNewAngle_rad = 0.14;
@@ -161,9 +161,9 @@ std::optional<Seen> WorldTracker::Impl::go_on(double time_s) const {
   std::erase_if(followed, [&](const Observation& o) { return !is_free(free_, o.px); });
   const Resection flow = resect(*map, followed, camera, guess);
   if (flow.inliers.size() >= kGoOn.inliers) guess = flow.T_camera_world;
-  const Belief& belief = confirmed_ ? kGoOn : kConfirm;
-  auto seen = look(*map, picture_, free_, {camera, guess}, belief);
-  return seen ? seen : look_twice(*map, picture_, free_, {camera, guess}, belief);
+  const View view{camera, guess};
+  if (auto seen = look(*map, picture_, free_, view, kSure)) return seen;
+  return look_twice(*map, picture_, free_, view, confirmed_ ? kGoOn : kConfirm);
 }
 
 void WorldTracker::Impl::search(double time_s) {
