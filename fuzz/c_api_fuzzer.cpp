@@ -93,6 +93,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     switch (bytes.take<std::uint8_t>() % 9) {
       case 0:
         handyar_reset(tracker);
+        handyar_share_view(tracker, bytes.coin() ? tracker : nullptr);
         break;
       case 1: {
         const handyar_frame frame = frame_of(bytes, pixels);

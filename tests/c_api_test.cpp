@@ -86,6 +86,20 @@ struct BothFilm {
   handyar_status status = HANDYAR_OK;
 };
 
+TEST(CApi, OfTwoTrackersThatShareAViewOneLeavesTheHandToTheOther) {
+  BothFilm both;
+  const TrackerPointer second = tracker_with(nullptr, nullptr);
+  handyar_share_view(both.tracker.get(), second.get());
+  handyar_share_view(both.tracker.get(), nullptr);  // nothing happens
+  auto result = sized<handyar_result>();
+  for (int i = 0; i < 20; ++i) {
+    both.play(1);
+    ASSERT_EQ(handyar_process(second.get(), &both.frame, both.film.time_s, &result), HANDYAR_OK);
+    EXPECT_EQ(result.state, HANDYAR_SEARCHING);
+  }
+  EXPECT_EQ(both.result.state, HANDYAR_TRACKING);
+}
+
 TEST(CApi, SaysWhatTheCppTrackerSays) {
   BothFilm both;  // for which neither camera nor hand was given
   both.play(30);

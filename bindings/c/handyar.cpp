@@ -356,6 +356,10 @@ void handyar_reset(handyar_tracker* tracker) {
   tracker->last = {};
 }
 
+void handyar_share_view(handyar_tracker* first, handyar_tracker* second) {
+  if (first != nullptr && second != nullptr) share_view(first->tracker, second->tracker);
+}
+
 handyar_status handyar_process(handyar_tracker* tracker, const handyar_frame* frame, double time_s,
                                handyar_result* result) {
   if (tracker == nullptr || frame == nullptr || result == nullptr) return HANDYAR_BAD_ARGUMENT;

@@ -244,6 +244,11 @@ HANDYAR_API void handyar_destroy(handyar_tracker* tracker);
 /* Forgets hand and colours, as newly made. */
 HANDYAR_API void handyar_reset(handyar_tracker* tracker);
 
+/* Two trackers of one camera for two hands: from now on each leaves the hand that the other follows
+ * alone, so that they do not change hands when these pass each other. Every frame is for both,
+ * `first` first, in one thread. It ends when one of them is destroyed. */
+HANDYAR_API void handyar_share_view(handyar_tracker* first, handyar_tracker* second);
+
 /* Times must increase from frame to frame. A frame without a hand is HANDYAR_OK and gives a state,
  * never an old pose. A frame that is refused changes nothing in the tracker, and its result has no
  * pose. */

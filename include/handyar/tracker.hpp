@@ -78,7 +78,7 @@ struct HandMask {
 
 struct FrameEvidence;
 
-/// Frame and time in, state and pose out.
+/// Frame and time in, state and pose out. Two of them follow two hands, see share_view().
 ///
 ///     HandTracker tracker(camera, average_adult_hand());
 ///     TrackResult r = tracker.process(frame, time_s);
@@ -114,8 +114,21 @@ class HANDYAR_API HandTracker {
   void reset() noexcept;
 
  private:
+  friend HANDYAR_API void share_view(HandTracker& first, HandTracker& second) noexcept;
   struct HANDYAR_INTERNAL Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Two trackers of one camera for two hands, each with a model, settings and colours of its own:
+///
+///     std::array hands{HandTracker(camera, hand), HandTracker(camera, hand)};
+///     share_view(hands[0], hands[1]);
+///     for (HandTracker& tracker : hands) show(tracker.process(frame, time_s));
+///
+/// From now on each leaves the hand that the other follows alone, so that they do not change hands
+/// when these pass each other. Every frame is for both, the first one first, in one thread. While
+/// neither has a hand only the first searches; while one has, the other searches some frames.
+/// It ends when one of them is destroyed.
+HANDYAR_API void share_view(HandTracker& first, HandTracker& second) noexcept;
 
 }  // namespace handyar

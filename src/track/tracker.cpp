@@ -42,11 +42,10 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   t.seen.time_s = time_s;
 
   t.candidates = {};
-  if (t.seen.hypotheses.size() > 0)
-    clock.time(result.times.pose_ms, [&] { t.follow(frame, dt_s); });
+  if (t.has_hand()) clock.time(result.times.pose_ms, [&] { t.follow(frame, dt_s); });
   clock.time(result.times.segmentation_ms, [&] { t.look(frame); });
   t.believe(dt_s);
-  if (t.seen.hypotheses.size() > 0) {
+  if (t.has_hand()) {
     clock.time(result.times.filter_ms, [&] { t.filter(result); });
     t.learn(frame, dt_s);
   }

@@ -96,7 +96,8 @@ FrameStatus HandTracker::Impl::admit(const ImageView& frame, double time_s) noex
 }
 
 void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
-  if (!seen.hypotheses.follow(frame, camera, seen.person, dt_s, config, aligner))
+  if (!seen.hypotheses.follow(frame, camera, seen.person, dt_s, config, aligner) ||
+      follows_hand_of_other())
     seen.hypotheses.clear();
 }
 
@@ -129,6 +130,7 @@ double HandTracker::Impl::verdict() const noexcept {
   const Followed now = followed();
   double says = kUnseen;
   for (const HandCandidate& candidate : candidates) {
+    if (is_of_other(candidate)) continue;
     const Reading reading = compare(candidate, now);
     if (reading == Reading::same) return candidate.log_odds;
     if (reading == Reading::otherwise && candidate.log_odds > 0) says = 0;
@@ -149,10 +151,10 @@ void HandTracker::Impl::find(const ImageView& frame, bool only_there) noexcept {
 }
 
 void HandTracker::Impl::look(const ImageView& frame) noexcept {
-  const bool had = seen.hypotheses.size() > 0;
-  const bool sure = had && seen.state == State::tracking && !slipped();
+  const bool had = has_hand();
+  const bool sure = holds_hand() && seen.state == State::tracking;
   const double since_s = seen.time_s - seen.looked_s;
-  if (sure && since_s < kLook_s) return;
+  if ((sure && since_s < kLook_s) || (!had && !may_search())) return;
   seen.looked_s = seen.time_s;
   find(frame, had);
   if (had)
@@ -162,12 +164,13 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
 }
 
 void HandTracker::Impl::begin(const ImageView& frame) noexcept {
-  const bool had = seen.hypotheses.size() > 0 && !slipped();
+  const bool had = holds_hand();
   const double followed_ratio = had ? seen.hypotheses.best().alignment.log_ratio : 0;
   const double belief = had ? seen.belief + evidence_of(seen.hypotheses.best().alignment) : 0;
   for (const HandCandidate& candidate : candidates) {
     const Reading reading = had ? compare(candidate, followed()) : Reading::elsewhere;
-    if (candidate.log_odds < kWorthTrying || reading == Reading::same ||
+    if (candidate.log_odds < kWorthTrying || reading == Reading::same || is_of_other(candidate) ||
+        is_for_other(candidate, reading) ||
         (reading == Reading::elsewhere && candidate.log_odds + kMostFrame < belief))
       continue;
     Hypotheses fresh;
@@ -186,13 +189,13 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
   }
 }
 
-bool HandTracker::Impl::slipped() const noexcept {
-  return seen.hypotheses.best().alignment.log_ratio < kSlipped;
+bool HandTracker::Impl::holds_hand() const noexcept {
+  return has_hand() && seen.hypotheses.best().alignment.log_ratio >= kSlipped;
 }
 
 void HandTracker::Impl::believe(double dt_s) noexcept {
   const BeliefConfig& limits = config.belief;
-  const bool is_seen = seen.hypotheses.size() > 0;
+  const bool is_seen = has_hand();
   if (is_seen) {
     const double share = std::clamp(dt_s / kEvidence_s, 0.0, 1.0);
     seen.belief =

@@ -31,6 +31,9 @@ struct TrackerState {
 
 struct HandTracker::Impl {
   Impl(const Camera& camera, const HandModel& hand, const Config& config);
+  ~Impl() { share_view(nullptr); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
   FrameStatus admit(const ImageView& frame, double time_s) noexcept;
   void follow(const ImageView& frame, double dt_s) noexcept;
@@ -52,10 +55,26 @@ struct HandTracker::Impl {
   /// How the finder reads the place where a hand is followed.
   enum class Reading { same, otherwise, elsewhere };
   Reading compare(const HandCandidate& candidate, const Followed& now) const noexcept;
-  bool slipped() const noexcept;
   double verdict() const noexcept;  ///< of the finder on the hand that is followed, log odds
   void find(const ImageView& frame, bool only_there) noexcept;
   void begin(const ImageView& frame) noexcept;
+
+  /// Shares the view with one other tracker, or with none.
+  void share_view(Impl* with) noexcept;
+  bool has_hand() const noexcept { return seen.hypotheses.size() > 0; }
+  /// Whether the hand was not lost from the last frame to this one.
+  bool holds_hand() const noexcept;
+  /// Whether a candidate is the hand that the other tracker follows.
+  bool is_of_other(const HandCandidate& candidate) const noexcept;
+  /// Whether a candidate is left to the other tracker, which has lost its hand or waits for one.
+  bool is_for_other(const HandCandidate& candidate, Reading reading) const noexcept;
+  /// Whether both trackers follow one hand, and the other explains it better.
+  bool follows_hand_of_other() const noexcept;
+  /// Whether it is time to search for a hand, while there is none.
+  bool may_search() const noexcept;
+
+  Impl* other = nullptr;  ///< whose hand is left alone, where two are followed
+  bool leads = true;      ///< of two trackers without a hand this one searches
 
   TrackerConfig config;
   HandModel hand;            ///< as given

@@ -518,7 +518,19 @@ as it was.)")
       .def(
           "reset",
           [](Tracker& tracker) { tracker.use([](TrackerState& t) { t.tracker.reset(); }); },
-          "Forgets hand and colours, as newly made; time may begin again.");
+          "Forgets hand and colours, as newly made; time may begin again.")
+      .def(
+          "share_view",
+          [](Tracker& first, Tracker& second) {
+            if (&first == &second) throw py::value_error("share_view: two trackers are wanted");
+            first.use([&](TrackerState& a) {
+              second.alone([&](TrackerState& b) { share_view(a.tracker, b.tracker); });
+            });
+          },
+          "second"_a, R"(For two hands: each tracker then leaves the other's hand alone.
+
+They do not change hands when these pass each other. Every frame is for both, this one first, in one
+thread. It ends when one of them is deleted.)");
 }
 
 }  // namespace

@@ -195,3 +195,16 @@ def test_threads_share_a_tracker_without_a_deadlock(clip):
     for thread in threads:
         thread.join()
     np.testing.assert_array_equal(poses[0][-1], poses[1][-1])
+
+
+def test_trackers_that_share_a_view_leave_one_hand_to_one_of_them(clip):
+    first, second = handyar.Tracker(clip.camera), handyar.Tracker(clip.camera)
+    first.share_view(second)
+    states = [
+        tuple(t.process(frame.bgr, frame.time_s).state for t in (first, second))
+        for frame in clip.frames[:20]
+    ]
+    assert states[-1][0] == "tracking"
+    assert all(state == "searching" for _, state in states)
+    with pytest.raises(ValueError, match="two trackers"):
+        first.share_view(first)

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "track/tracker_state.hpp"
+
+namespace handyar {
+namespace {
+
+// Shares of the distance from a palm to its farthest fingertip. Two hands whose palms are nearer to
+// each other cannot both be found; two trackers whose fingertips are this near follow one hand.
+constexpr float kApart = 0.5f, kSameHand = 0.25f;
+// Beside a hand that is followed a second one is searched for this often.
+constexpr double kSearch_s = 0.1;
+
+}  // namespace
+
+void HandTracker::Impl::share_view(Impl* with) noexcept {
+  if (other != nullptr && other != with) other->other = nullptr;
+  other = with;
+}
+
+bool HandTracker::Impl::is_of_other(const HandCandidate& candidate) const noexcept {
+  if (other == nullptr || !other->has_hand()) return false;
+  const auto distance = [&](const Followed& its) {
+    return (candidate.palm_px - its.palm_px).norm() / its.size_px;
+  };
+  const float from_other = distance(other->followed());
+  return from_other < kApart && !(holds_hand() && distance(followed()) < from_other);
+}
+
+bool HandTracker::Impl::is_for_other(const HandCandidate& candidate,
+                                     Reading reading) const noexcept {
+  if (other == nullptr || other->holds_hand()) return false;
+  const auto was_followed = [](const Impl& t) {
+    return t.seen.state == State::tracking || t.seen.state == State::lost;
+  };
+  if (holds_hand()) return reading == Reading::elsewhere || was_followed(*other);
+  return was_followed(*other) && candidate.layout == other->seen.filtered_layout &&
+         candidate.layout != seen.filtered_layout;
+}
+
+bool HandTracker::Impl::follows_hand_of_other() const noexcept {
+  if (other == nullptr || !other->has_hand()) return false;
+  const Followed mine = followed(), its = other->followed();
+  for (int f = 0; f < kFingerCount; ++f)
+    if ((mine.tips_px[f] - its.tips_px[f]).norm() > kSameHand * its.size_px) return false;
+  return seen.belief < other->seen.belief;
+}
+
+bool HandTracker::Impl::may_search() const noexcept {
+  if (other == nullptr) return true;
+  return other->has_hand() ? seen.time_s - seen.looked_s >= kSearch_s : leads;
+}
+
+void share_view(HandTracker& first, HandTracker& second) noexcept {
+  if (first.impl_ == second.impl_) return;
+  first.impl_->share_view(second.impl_.get());
+  second.impl_->share_view(first.impl_.get());
+  first.impl_->leads = true;
+  second.impl_->leads = false;
+}
+
+}  // namespace handyar
