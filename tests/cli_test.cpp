@@ -211,6 +211,26 @@ TEST_F(CliTest, TracksAVideoAndSaysWhatItAssumed) {
   EXPECT_EQ(lines(poses), 91);
 }
 
+TEST_F(CliTest, OfTwoHandsTheSecondIsLookedForBesideTheFirst) {
+  const Outcome r =
+      run("track " + kVideo + " --hands 2" + outputs() + " --events " + out("e.jsonl"));
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_NE(r.out.find("tracked, 0.0 % with both hands"), std::string::npos) << r.out;
+  std::istringstream poses(contents(out("p.csv")));
+  std::string row;
+  std::getline(poses, row);
+  for (int i = 0; std::getline(poses, row); ++i) {
+    EXPECT_EQ(row.rfind(std::to_string(i / 2) + ",", 0), 0u) << row;
+    EXPECT_EQ(row.back(), i % 2 == 0 ? '1' : '2') << row;
+    if (i % 2 == 1) EXPECT_NE(row.find("searching"), std::string::npos) << row;
+  }
+  EXPECT_EQ(lines(contents(out("p.csv"))), 181);
+  const std::string events = contents(out("e.jsonl"));
+  EXPECT_NE(events.find("\"hand\":1"), std::string::npos) << events;
+  EXPECT_EQ(events.find("\"hand\":2"), std::string::npos) << events;
+  EXPECT_EQ(run("track " + kVideo + " --hands 2 --method paper").code, 2);
+}
+
 TEST_F(CliTest, SameInputGivesTheSameRows) {
   const std::string files =
       " --camera " + kData + "/compare/camera.yml --hand " + kData + "/compare/hand.json";

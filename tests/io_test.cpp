@@ -293,7 +293,7 @@ TEST_F(IoTest, PoseRowsAreTheSameInEveryLocale) {
   TrackResult result;
   result.time_s = 1.0 / 3.0;
   EXPECT_EQ(pose_csv_row(7, result, false),
-            "7,0.333333,searching,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,0,");
+            "7,0.333333,searching,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,0,,1");
   result.state = State::tracking;
   result.layout = Layout::thumb_left;
   result.tips[0] = {{1.5, -2.25}, true};

@@ -20,8 +20,8 @@ int demo(const std::string& folder_path) {
   run.poses_out = folder.file("poses.csv");
   run.video_out = folder.file("annotated.mp4");
   ObjectOnHand teapot("teapot", 0.09);
-  run.overlay = [&](cv::Mat& bgr, std::int64_t, const AnyTracker& tracker, const Camera& camera,
-                    const TrackResult& result) { teapot.draw(bgr, tracker, camera, result); };
+  run.overlays[0] = [&](cv::Mat& bgr, std::int64_t, const AnyTracker& tracker, const Camera& camera,
+                        const TrackResult& result) { teapot.draw(bgr, tracker, camera, result); };
 
   const Summary summary = track(run);
   std::cout << "the shipped clip: " << describe(summary) << "\n  annotated video  " << run.video_out

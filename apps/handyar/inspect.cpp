@@ -32,8 +32,8 @@ int inspect(TrackingRun run, const std::string& scene_file, const std::string& e
   run.annotated = false;
   bool begun = false;
   const bool pictures = run.show || !run.video_out.empty();
-  run.overlay = [&](cv::Mat& bgr, std::int64_t frame, const AnyTracker& tracker,
-                    const Camera& camera, const TrackResult& result) {
+  run.overlays[0] = [&](cv::Mat& bgr, std::int64_t frame, const AnyTracker& tracker,
+                        const Camera& camera, const TrackResult& result) {
     begun = true;
     const auto hand = render::HandInView::of(tracker, result);
     const auto event = view.update(bgr, camera, result.time_s, hand);

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <vector>
 
 #include "command.hpp"
 #include "handyar/attachment.hpp"
@@ -67,11 +68,18 @@ void stand_on_hand(const Choices& choices, TrackingRun& run) {
   if (choices.model.empty() && !run.show) return;
   const Attachment where = *find_attachment(choices.attach);
   const double size_mm = choices.model_mm.value_or(on_finger(where) ? 25 : 90);
-  const auto object = std::make_shared<ObjectOnHand>(choices.model, size_mm / 1000, where);
-  run.next_object = [object] { object->next(); };
-  run.overlay = [object](cv::Mat& bgr, std::int64_t, const AnyTracker& tracker,
-                         const Camera& camera,
-                         const TrackResult& result) { object->draw(bgr, tracker, camera, result); };
+  std::vector<std::shared_ptr<ObjectOnHand>> objects;
+  for (int i = 0; i < run.hands; ++i) {
+    objects.push_back(std::make_shared<ObjectOnHand>(choices.model, size_mm / 1000, where));
+    run.overlays[i] = [object = objects.back()](cv::Mat& bgr, std::int64_t,
+                                                const AnyTracker& tracker, const Camera& camera,
+                                                const TrackResult& result) {
+      object->draw(bgr, tracker, camera, result);
+    };
+  }
+  run.next_object = [objects] {
+    for (const auto& object : objects) object->next();
+  };
 }
 
 }  // namespace
@@ -141,6 +149,9 @@ Command add_track(CLI::App& app) {
                    "With --method paper: how fingertips are measured")
       ->check(CLI::IsMember(kFingertipMethods))
       ->capture_default_str();
+  options->add_option("--hands", run->hands, "How many hands at once, 1 or 2; not --method paper")
+      ->check(between(1, 2))
+      ->capture_default_str();
   options->add_flag("--no-annotation", choices->no_annotation,
                     "Leave contour, fingertips and axes off the pictures");
   options->add_flag("--no-filter", choices->no_filter, "Give the raw pose as the filtered one");
@@ -158,6 +169,8 @@ Command add_track(CLI::App& app) {
             if (run->input.empty()) run->input = remembered().input;
             if (run->input.empty())
               throw WrongUsage("INPUT is required, handyar setup remembers one");
+            if (run->hands > 1 && run->method == Method::paper)
+              throw WrongUsage("--method paper follows one hand, not --hands 2");
             ask_camera(*choices, *run);
             stand_on_hand(*choices, *run);
             run->debug_frames = debug_frames_of(*choices, *run);

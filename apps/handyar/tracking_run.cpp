@@ -120,18 +120,41 @@ void require_all_seen(const TrackingRun& run, const Summary& summary) {
 // Found and lost, when the one or the other happens.
 class Changes {
  public:
+  /// `hand`: its number in the log, where there are two; else 0.
+  explicit Changes(int hand) : hand_(hand) {}
+
   void tell(EventLog& log, std::int64_t frame, const TrackResult& result) {
     const bool tracked = result.state == State::tracking;
     if (tracked == tracked_) return;
     tracked_ = tracked;
     nlohmann::ordered_json more = nlohmann::ordered_json::object();
     if (tracked && result.layout) more["layout"] = name(*result.layout);
+    if (hand_ > 0) more["hand"] = hand_;
     log.write(tracked ? "found" : "lost", frame, result.time_s, more);
   }
 
  private:
+  int hand_;
   bool tracked_ = false;
 };
+
+// A hand that the run follows.
+struct TrackedHand {
+  AnyTracker tracker;
+  Changes changes;
+  TrackResult result;
+
+  bool tracked() const { return result.state == State::tracking; }
+};
+
+std::vector<TrackedHand> make_hands(const TrackingRun& run, const Camera& camera,
+                                    const HandModel& hand) {
+  std::vector<TrackedHand> hands;
+  for (int i = 0; i < run.hands; ++i)
+    hands.push_back({make_tracker(run, camera, hand), Changes(run.hands > 1 ? i + 1 : 0), {}});
+  if (run.hands == 2) share_view(hands[0].tracker.figure(), hands[1].tracker.figure());
+  return hands;
+}
 
 // What is missing, looked at anew every second: for who stands before the camera.
 class Hint {
@@ -158,15 +181,20 @@ class Pictures {
  public:
   Pictures(const TrackingRun& run, Outputs& outputs) : run_(run), outputs_(outputs) {}
 
-  bool show(const io::Frame& frame, const AnyTracker& tracker, const Camera& camera,
-            const TrackResult& result, double wait_s) {
+  bool show(const io::Frame& frame, const std::vector<TrackedHand>& hands, const Camera& camera,
+            double wait_s) {
     frame.bgr.copyTo(picture_);
     std::optional<Viewer>& viewer = outputs_.viewer;
     const bool mirrored = viewer ? viewer->mirrored() : run_.mirrored;
-    const std::string& missing = hint_.update(frame.bgr, result, run_.hand_file);
-    if (viewer ? viewer->annotated() : run_.annotated)
-      annotate(picture_, tracker.mask(), camera, result, mirrored, missing);
-    if (run_.overlay) run_.overlay(picture_, frame.index, tracker, camera, result);
+    const std::string& missing = hint_.update(frame.bgr, hands[0].result, run_.hand_file);
+    if (viewer ? viewer->annotated() : run_.annotated) {
+      std::vector<AnnotatedHand> annotated;
+      for (const TrackedHand& hand : hands) annotated.push_back({hand.tracker.mask(), hand.result});
+      annotate(picture_, annotated, camera, mirrored, missing);
+    }
+    for (std::size_t i = 0; i < hands.size(); ++i)
+      if (const Overlay& draw = run_.overlays[i])
+        draw(picture_, frame.index, hands[i].tracker, camera, hands[i].result);
     if (mirrored) cv::flip(picture_, picture_, 1);
     if (outputs_.video) outputs_.video->write(picture_, frame.time_s);
     if (viewer && !viewer->show(picture_, wait_s)) return false;
@@ -181,43 +209,70 @@ class Pictures {
   cv::Mat picture_;
 };
 
+// Shows the frame to each tracker in turn; throws when one refuses it.
+void process(std::vector<TrackedHand>& hands, const io::Frame& frame, const std::string& source) {
+  for (TrackedHand& hand : hands) {
+    hand.result = hand.tracker.process(frame.view(), frame.time_s);
+    if (hand.result.status != FrameStatus::ok) {
+      throw io::Error(source, "frame " + std::to_string(frame.index) + ": " +
+                                  handyar::describe(hand.result.status));
+    }
+  }
+}
+
+void count(const std::vector<TrackedHand>& hands, std::int64_t frame, Summary& summary) {
+  ++summary.frames;
+  summary.last_frame = frame;
+  const auto tracked = std::count_if(hands.begin(), hands.end(),
+                                     [](const TrackedHand& hand) { return hand.tracked(); });
+  summary.tracked += tracked > 0;
+  if (hands.size() == 2) summary.both = summary.both.value_or(0) + (tracked == 2);
+}
+
+void write(const io::Frame& frame, std::vector<TrackedHand>& hands, Outputs& outputs) {
+  for (std::size_t i = 0; i < hands.size(); ++i) {
+    const TrackResult& result = hands[i].result;
+    if (outputs.poses) outputs.poses->write(frame.index, result, static_cast<int>(i) + 1);
+    if (outputs.events) hands[i].changes.tell(*outputs.events, frame.index, result);
+  }
+  if (outputs.recording) outputs.recording->write(frame.bgr, frame.time_s);
+}
+
 void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& camera,
-               AnyTracker& tracker, Outputs& outputs, Summary& summary) {
+               std::vector<TrackedHand>& hands, Outputs& outputs, Summary& summary) {
   std::vector<double> times_ms;
   ProgressLine progress;
   io::Frame frame;
-  Changes changes;
   Diagnosis diagnosis;
   Pictures pictures(run, outputs);
+  const TrackedHand& first = hands.front();
   const double start_s = steady_now_s();
   const auto until_due_s = [&] {  // a recording is shown at its own pace
     if (!outputs.viewer || source.info().live) return 0.0;
     return start_s + outputs.viewer->paused_s() + frame.time_s - steady_now_s();
   };
   while (interrupt() == 0 && source.read(frame)) {
-    const bool debugged = outputs.debug && run.debug_frames.contains(frame.index);
-    const TrackResult result = tracker.process(frame.view(), frame.time_s);
-    if (result.status != FrameStatus::ok) {
-      throw io::Error(source.info().name, "frame " + std::to_string(frame.index) + ": " +
-                                              handyar::describe(result.status));
+    process(hands, frame, source.info().name);
+    count(hands, frame.index, summary);
+    if (run.timings) {
+      double total_ms = 0;
+      for (const TrackedHand& hand : hands) total_ms += hand.result.times.total_ms;
+      times_ms.push_back(total_ms);
     }
-    ++summary.frames;
-    summary.last_frame = frame.index;
-    summary.tracked += result.state == State::tracking;
-    if (run.timings) times_ms.push_back(result.times.total_ms);
-    if (outputs.poses) outputs.poses->write(frame.index, result);
-    if (debugged) outputs.debug->write(frame.bgr, frame.index, tracker, camera, result);
-    if (outputs.recording) outputs.recording->write(frame.bgr, frame.time_s);
-    if (outputs.events) changes.tell(*outputs.events, frame.index, result);
-    if (run.observer)
-      run.observer(frame.bgr, frame.index, tracker, camera, result, source.info().live);
-    if (summary.tracked == 0) diagnosis.look(frame.bgr, result);
-    if ((outputs.pictures() || run.overlay) &&
-        !pictures.show(frame, tracker, camera, result, until_due_s())) {
+    write(frame, hands, outputs);
+    if (outputs.debug && run.debug_frames.contains(frame.index))
+      outputs.debug->write(frame.bgr, frame.index, first.tracker, camera, first.result);
+    if (run.observer) {
+      run.observer(frame.bgr, frame.index, first.tracker, camera, first.result, source.info().live);
+    }
+    if (summary.tracked == 0) diagnosis.look(frame.bgr, first.result);
+    if ((outputs.pictures() || run.overlays[0]) &&
+        !pictures.show(frame, hands, camera, until_due_s())) {
       summary.ended_early = true;
       break;
     }
-    if (outputs.viewer && outputs.viewer->take_new_hand()) tracker.reset();
+    if (outputs.viewer && outputs.viewer->take_new_hand())
+      for (TrackedHand& hand : hands) hand.tracker.reset();
     progress.show(summary.frames, source.info().frame_count,
                   " frames, " + std::to_string(summary.tracked) + " tracked");
   }
@@ -253,11 +308,11 @@ Summary track(const TrackingRun& run) {
   Outputs outputs(run, source->info());
   for (const std::string& note : notes) std::cerr << "handyar: " << note << '\n';
 
-  AnyTracker tracker = make_tracker(run, camera, hand);
+  std::vector<TrackedHand> hands = make_hands(run, camera, hand);
   Summary summary;
   summary.live = source->info().live;
   try {
-    track_all(run, *source, camera, tracker, outputs, summary);
+    track_all(run, *source, camera, hands, outputs, summary);
   } catch (const io::Error&) {
     if (summary.frames > 0) outputs.finish();
     throw;
@@ -269,16 +324,21 @@ Summary track(const TrackingRun& run) {
 
 std::string describe(const Summary& summary) {
   char text[160];
-  const double share = summary.frames > 0 ? 100.0 * static_cast<double>(summary.tracked) /
-                                                static_cast<double>(summary.frames)
-                                          : 0.0;
-  int length =
-      std::snprintf(text, sizeof text, "%lld frame%s, %.1f %% tracked",
-                    static_cast<long long>(summary.frames), summary.frames == 1 ? "" : "s", share);
-  if (summary.median_ms) {
-    length += std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
-                            ", median %.2f ms a frame", *summary.median_ms);
-  }
+  const auto percent = [&](std::int64_t frames) {
+    return summary.frames > 0
+               ? 100.0 * static_cast<double>(frames) / static_cast<double>(summary.frames)
+               : 0.0;
+  };
+  const auto rest = [&](int length) { return sizeof text - static_cast<std::size_t>(length); };
+  int length = std::snprintf(text, sizeof text, "%lld frame%s, %.1f %% tracked",
+                             static_cast<long long>(summary.frames), summary.frames == 1 ? "" : "s",
+                             percent(summary.tracked));
+  if (summary.both)
+    length += std::snprintf(text + length, rest(length), ", %.1f %% with both hands",
+                            percent(*summary.both));
+  if (summary.median_ms)
+    length +=
+        std::snprintf(text + length, rest(length), ", median %.2f ms a frame", *summary.median_ms);
   return std::string(text, static_cast<std::size_t>(length)) +
          (summary.signal != 0 && !summary.live ? " (interrupted)" : "") +
          (summary.missing.empty() ? "" : "\n" + summary.missing);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <functional>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -18,7 +19,8 @@ namespace handyar::cli {
 using Overlay = std::function<void(cv::Mat& bgr, std::int64_t frame, const AnyTracker& tracker,
                                    const Camera& camera, const TrackResult& result)>;
 
-/// What else looks at a frame: called for every frame in turn, before anything is drawn on it.
+/// What else looks at a frame and its first hand: called for every frame in turn, before anything
+/// is drawn on it.
 using Observer =
     std::function<void(const cv::Mat& bgr, std::int64_t frame, const AnyTracker& tracker,
                        const Camera& camera, const TrackResult& result, bool live)>;
@@ -34,10 +36,11 @@ struct TrackingRun {
   bool show = false;
   bool timings = true;
   Method method = Method::figure;
+  int hands = 1;               ///< at once, at most two; Method::paper follows one
   Config config;               ///< of Method::figure
   paper::Config paper_config;  ///< of Method::paper
   Observer observer;
-  Overlay overlay;
+  std::array<Overlay, 2> overlays;    ///< of the first hand, and of the second
   std::function<void()> next_object;  ///< what the key for another object does
   bool annotated = true;              ///< contour, fingertips and axes on the pictures
   bool mirrored = false;              ///< the pictures, as one sees oneself
@@ -48,10 +51,11 @@ void add_tracker_files(CLI::App* options, TrackingRun& run);
 
 struct Summary {
   std::int64_t frames = 0, tracked = 0;
-  std::int64_t last_frame = 0;      ///< its number
-  std::optional<double> median_ms;  ///< of the tracker, a frame; empty without timings
-  std::string missing;              ///< why nothing was tracked, where that can be told
-  int signal = 0;                   ///< what ended the run early, or 0
+  std::optional<std::int64_t> both;  ///< where two hands were asked for: frames with both tracked
+  std::int64_t last_frame = 0;       ///< its number
+  std::optional<double> median_ms;   ///< of the tracker, a frame; empty without timings
+  std::string missing;               ///< why nothing was tracked, where that can be told
+  int signal = 0;                    ///< what ended the run early, or 0
   bool live = false;
   bool ended_early = false;  ///< by a signal or at the window
 };

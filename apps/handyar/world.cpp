@@ -202,8 +202,9 @@ int world_of(TrackingRun run, const Choices& choices) {
                      const Camera& camera, const TrackResult& result,
                      bool live) { world.observe(bgr, frame, tracker, camera, result, live); };
   if (run.show || !run.video_out.empty())
-    run.overlay = [&](cv::Mat& bgr, std::int64_t, const AnyTracker& tracker, const Camera& camera,
-                      const TrackResult&) { world.draw(bgr, camera, tracker); };
+    run.overlays[0] = [&](cv::Mat& bgr, std::int64_t, const AnyTracker& tracker,
+                          const Camera& camera,
+                          const TrackResult&) { world.draw(bgr, camera, tracker); };
   run.next_object = [&] { world.add_object(); };
   Summary summary;
   try {

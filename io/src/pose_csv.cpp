@@ -17,9 +17,9 @@ const std::string_view kPoseCsvHeader =
     "raw_qw,raw_qx,raw_qy,raw_qz,raw_tx_m,raw_ty_m,raw_tz_m,"
     "rms_px,sigma_rotation_rad,sigma_translation_m,"
     "segmentation_ms,fingertips_ms,matching_ms,pose_ms,filter_ms,total_ms,"
-    "doubtful,face";
+    "doubtful,face,hand";
 
-std::string pose_csv_row(std::int64_t frame, const TrackResult& result, bool timings) {
+std::string pose_csv_row(std::int64_t frame, const TrackResult& result, bool timings, int hand) {
   CsvRow row;
   row.text(std::to_string(frame));
   row.number(result.time_s, kTimeDigits);
@@ -51,6 +51,7 @@ std::string pose_csv_row(std::int64_t frame, const TrackResult& result, bool tim
   }
   row.text(result.doubtful ? "1" : "0");
   row.text(result.face ? name(*result.face) : "");
+  row.text(std::to_string(hand));
   return row.take();
 }
 
@@ -67,8 +68,8 @@ void PoseCsvWriter::put(const std::string& line) {
                                   (errno != 0 ? std::strerror(errno) : "unknown reason"));
 }
 
-void PoseCsvWriter::write(std::int64_t frame, const TrackResult& result) {
-  put(pose_csv_row(frame, result, timings_));
+void PoseCsvWriter::write(std::int64_t frame, const TrackResult& result, int hand) {
+  put(pose_csv_row(frame, result, timings_, hand));
 }
 
 void PoseCsvWriter::finish() {

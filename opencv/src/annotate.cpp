@@ -162,21 +162,25 @@ std::string status_line(const TrackResult& result, bool mirrored, const std::str
   return line;
 }
 
-// A darkened band at the bottom: text on it is legible before any background.
-void draw_status(const Pen& pen, const TrackResult& result, const std::string& missing) {
+// A darkened band at the bottom: text on it is legible before any background. Of several hands each
+// has its part of it, from left to right as they are looked at.
+void draw_status(const Pen& pen, std::span<const AnnotatedHand> hands, const std::string& missing) {
   static const cv::Scalar colors[] = {
       {190, 190, 190}, {60, 200, 250}, {110, 220, 120}, {80, 100, 240}};  // as in State
-  const int height = pen.thick(26);
+  const int height = pen.thick(26), width = pen.picture.cols;
   cv::Mat band = pen.picture.rowRange(pen.picture.rows - height, pen.picture.rows);
   band *= 0.35;
-  const cv::Scalar& color = colors[static_cast<std::size_t>(result.state)];
   const double y = pen.picture.rows - 0.5 * height;
-  const std::string line = status_line(result, pen.mirrored, missing);
-  const double left = 14 * pen.unit, right = pen.picture.cols - 1 - left;
-  pen.dot({pen.mirrored ? right : left, y}, 5, color);
-  int x = pen.thick(28);
-  if (pen.mirrored) x = pen.picture.cols - x - pen.size_of(line, 0.48).width;
-  pen.text(line, {x, cvRound(y + 5 * pen.unit)}, 0.48, kWhite);
+  for (std::size_t i = 0; i < hands.size(); ++i) {
+    const TrackResult& result = hands[i].result;
+    const int left = static_cast<int>(i) * width / static_cast<int>(hands.size());
+    const auto across = [&](double x) { return pen.mirrored ? width - 1 - x : x; };
+    pen.dot({across(left + 14 * pen.unit), y}, 5, colors[static_cast<std::size_t>(result.state)]);
+    const std::string line = status_line(result, pen.mirrored, missing);
+    int x = left + pen.thick(28);
+    if (pen.mirrored) x = width - x - pen.size_of(line, 0.48).width;
+    pen.text(line, {x, cvRound(y + 5 * pen.unit)}, 0.48, kWhite);
+  }
 }
 
 }  // namespace
@@ -187,13 +191,21 @@ void draw_axes(cv::Mat& bgr, const Camera& camera, const Eigen::Isometry3d& T_ca
   draw_axes(pen_for(bgr), camera, T_camera_hand);
 }
 
-void annotate(cv::Mat& bgr, const HandMask& mask, const Camera& camera, const TrackResult& result,
+void annotate(cv::Mat& bgr, std::span<const AnnotatedHand> hands, const Camera& camera,
               bool mirrored, const std::string& missing) {
   const Pen pen = pen_for(bgr, mirrored);
-  draw_contour(pen, mask);
-  if (result.pose) draw_axes(pen, camera, result.pose->T_camera_hand);
-  draw_tips(pen, result);
-  draw_status(pen, result, missing);
+  for (const auto& [mask, result] : hands) {
+    draw_contour(pen, mask);
+    if (result.pose) draw_axes(pen, camera, result.pose->T_camera_hand);
+    draw_tips(pen, result);
+  }
+  draw_status(pen, hands, missing);
+}
+
+void annotate(cv::Mat& bgr, const HandMask& mask, const Camera& camera, const TrackResult& result,
+              bool mirrored, const std::string& missing) {
+  const AnnotatedHand hand{mask, result};
+  annotate(bgr, {&hand, 1}, camera, mirrored, missing);
 }
 
 void draw_lines(cv::Mat& bgr, const std::vector<std::string>& lines) {

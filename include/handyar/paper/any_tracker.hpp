@@ -41,6 +41,9 @@ class AnyTracker {
     return figure != nullptr ? &figure->evidence() : nullptr;
   }
 
+  /// The figure method's tracker. Throws std::bad_variant_access for the paper's.
+  HandTracker& figure() { return std::get<HandTracker>(tracker_); }
+
  private:
   std::variant<HandTracker, paper::Tracker> tracker_;
 };

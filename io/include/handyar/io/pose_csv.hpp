@@ -15,14 +15,15 @@ namespace handyar::io {
 extern const std::string_view kPoseCsvHeader;
 
 /// One row without line end. The same for the same result whatever the locale; the columns in
-/// milliseconds stay empty without `timings`.
-std::string pose_csv_row(std::int64_t frame, const TrackResult& result, bool timings = true);
+/// milliseconds stay empty without `timings`. `hand`: 1, of two hands 1 or 2.
+std::string pose_csv_row(std::int64_t frame, const TrackResult& result, bool timings = true,
+                         int hand = 1);
 
 /// Writes a pose file row by row; it takes its name on finish(). Throws Error.
 class PoseCsvWriter {
  public:
   explicit PoseCsvWriter(const std::string& path, bool timings = true);
-  void write(std::int64_t frame, const TrackResult& result);
+  void write(std::int64_t frame, const TrackResult& result, int hand = 1);
   void finish();
 
  private:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,16 @@ namespace handyar {
 /// there is no hand. `camera` is the one of this picture size. `mirrored`: the picture will be
 /// mirrored, so that all words are written from right to left and the layout is the mirror's.
 void annotate(cv::Mat& bgr, const HandMask& mask, const Camera& camera, const TrackResult& result,
+              bool mirrored = false, const std::string& missing = "");
+
+/// A hand in a frame as one of two trackers found it.
+struct AnnotatedHand {
+  HandMask mask;
+  const TrackResult& result;
+};
+
+/// The same for the hands of a frame; their words stand beside each other.
+void annotate(cv::Mat& bgr, std::span<const AnnotatedHand> hands, const Camera& camera,
               bool mirrored = false, const std::string& missing = "");
 
 /// Writes lines of text into the picture's upper left corner.
