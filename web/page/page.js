@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import { readHand } from 'handyar';
+import { readCamera, readHand } from 'handyar';
 import { HandThree } from 'handyar/three';
 import { Vector3 } from 'three';
 
@@ -72,7 +72,8 @@ function watchRecorded() {
   });
 }
 
-function switchCamera() {
+async function switchCamera() {
+  await hand.setCamera(null);  // a file that was dropped is of one camera
   return start(() => hand.switchCamera());
 }
 
@@ -105,13 +106,16 @@ async function takeHand(file) {
   tell(`${file.name} is your hand now.`);
 }
 
-/** A file that was chosen or dropped: a model, or a hand that was measured. */
+async function takeCamera(file) {
+  await hand.setCamera(readCamera(await file.text(), file.name));
+  tell(`${file.name} is the camera now.`);
+}
+
+/** A file that was chosen or dropped: a model, a hand that was measured, or a camera. */
 async function take(file) {
   try {
-    if (file.name.endsWith('.json')) {
-      await takeHand(file);
-      return;
-    }
+    if (file.name.endsWith('.json')) return await takeHand(file);
+    if (/\.ya?ml$/.test(file.name)) return await takeCamera(file);
     const model = await modelFrom(file);
     stand.group.clear();
     stand.group.add(model);

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { before, test } from 'node:test';
 
-import { alongClip, program } from '../../bindings/wasm/test/clip.mjs';
+import { alongClip, data, program } from '../../bindings/wasm/test/clip.mjs';
 import { artefact, cameraClip, note, poses, skip, withPage } from './browser.mjs';
 
 const desktop = { viewport: { width: 1100, height: 700 }, colorScheme: 'dark' };
@@ -114,6 +114,10 @@ test('a model of one’s own is dropped on the page', { skip }, () => withPage({
   await page.waitForFunction(() => /triangle\.gltf stands on the hand/.test(said.textContent));
   await drop('hand.json', '{}');
   await page.waitForFunction(() => /hand\.json: format is not handyar-hand/.test(said.textContent));
+  await drop('camera.yml', 'image_width: 640');
+  await page.waitForFunction(() => /camera\.yml: image_height is missing/.test(said.textContent));
+  await drop('camera.yml', readFileSync(data('sample/camera.yml'), 'utf8'));
+  await page.waitForFunction(() => /camera\.yml is the camera now/.test(said.textContent));
   await drop('letter.gltf', 'Dear Sir');
   await page.waitForFunction(() => /letter\.gltf cannot be shown: it is not glTF/.test(said.textContent));
 }));

@@ -152,6 +152,12 @@ export class HandTracker {
   /** Begins anew with another hand. */
   setHand(hand: Hand | null): void;
 
+  /**
+   * Begins anew with another camera; null: an assumed one. Throws an Error when it was calibrated
+   * for pictures of another shape than the last.
+   */
+  setCamera(camera: Camera | null): void;
+
   /** Forgets hand and colours, as newly made. */
   reset(): void;
 }
@@ -192,6 +198,7 @@ export class LiveTracker {
   /** As HandTracker. */
   hand(): Promise<Hand | null>;
   setHand(hand: Hand | null): Promise<void>;
+  setCamera(camera: Camera | null): Promise<void>;
 }
 
 /** A camera without distortion that sees `fov_rad` (60 degrees) across the longer side. */

@@ -19,6 +19,12 @@ export function cameraFromFieldOfView(width_px, height_px, fov_rad = Math.PI / 3
     distortion: [0, 0, 0, 0, 0], assumed: true };
 }
 
+function requireShape(camera, width_px, height_px) {
+  if (camera.width_px * height_px === camera.height_px * width_px) return;
+  throw new Error(`the camera was calibrated for pictures of ${camera.width_px}x` +
+    `${camera.height_px}, these are ${width_px}x${height_px}`);
+}
+
 /** The same camera read out at another size of the same shape. */
 function scaledTo(camera, width_px, height_px) {
   const s = width_px / camera.width_px;
@@ -113,6 +119,12 @@ export class HandTracker {
     this.#forget();
   }
 
+  setCamera(camera) {
+    if (camera && this.#camera) requireShape(camera, this.#camera.width_px, this.#camera.height_px);
+    this.#given.camera = camera;
+    this.#forget();
+  }
+
   reset() {
     if (this.#tracker !== 0) this.#library.reset(this.#tracker);
   }
@@ -126,9 +138,7 @@ export class HandTracker {
     const same = this.#camera?.width_px === width_px && this.#camera.height_px === height_px;
     if (this.#tracker !== 0 && same) return;
     const { camera: given, hand } = this.#given;
-    if (given && given.width_px * height_px !== given.height_px * width_px)
-      throw new Error(`the camera was calibrated for pictures of ${given.width_px}x` +
-        `${given.height_px}, these are ${width_px}x${height_px}`);
+    if (given) requireShape(given, width_px, height_px);
     this.#camera = given ? scaledTo(given, width_px, height_px)
       : cameraFromFieldOfView(width_px, height_px);
     this.#forget();

@@ -67,6 +67,11 @@ export class LiveTracker {
     return this.#ask('setHand', { hand });
   }
 
+  /** Goes on with another camera; rejects when it was calibrated for pictures of another shape. */
+  setCamera(camera) {
+    return this.#ask('setCamera', { camera });
+  }
+
   #pictureCame = (now_ms, { captureTime }) => {
     this.#callback = this.#video.requestVideoFrameCallback(this.#pictureCame);
     const time_s = (captureTime ?? now_ms) / 1000;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import type { Camera, DirectionalLight, Group, Scene, WebGLRenderer } from 'three';
 
-import type { Hand, Options, Place, Pose, Tracked } from './handyar.js';
+import type { Camera as CameraModel, Hand, Options, Place, Pose, Tracked } from './handyar.js';
 
 /**
  * A place on the hand. What is put into `group` follows the hand: metres, +y up from the hand (for a
@@ -65,6 +65,8 @@ export class HandThree {
   /** The hand as far as it was learned. */
   hand(): Promise<Hand | null>;
   setHand(hand: Hand | null): Promise<void>;
+  /** Of the camera in use; null: an assumed one. */
+  setCamera(camera: CameraModel | null): Promise<void>;
   /** The pose expected at `time_s` (performance.now() / 1000), for displays that show no picture. */
   predict(time_s: number): Pose | null;
 }

@@ -102,6 +102,11 @@ export class HandThree {
     await this.#live?.setHand(hand);
   }
 
+  async setCamera(camera) {
+    await this.#live?.setCamera(camera);
+    this.#options.camera = camera;
+  }
+
   predict(time_s) {
     return this.#live?.predict(time_s) ?? null;
   }
@@ -167,9 +172,9 @@ export class HandThree {
       const wanted = this.#container.clientWidth * devicePixelRatio / camera.width_px;
       this.renderer.setPixelRatio(Math.min(2, Math.max(1, wanted)));
       this.renderer.setSize(camera.width_px, camera.height_px, false);
-      this.camera.projectionMatrix.fromArray(projectionMatrix(camera));
-      this.camera.projectionMatrixInverse.copy(this.camera.projectionMatrix).invert();
     }
+    this.camera.projectionMatrix.fromArray(projectionMatrix(camera));
+    this.camera.projectionMatrixInverse.copy(this.camera.projectionMatrix).invert();
     texture.setFrame(frame);
     this.renderer.initTexture(texture);  // now: the picture is closed after this
   }

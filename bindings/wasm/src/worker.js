@@ -20,6 +20,7 @@ const answers = {
   },
   hand: () => tracker.hand(),
   setHand: ({ hand }) => tracker.setHand(hand),
+  setCamera: ({ camera }) => tracker.setCamera(camera),
 };
 
 self.onmessage = async ({ data }) => {

@@ -44,6 +44,17 @@ test('an assumed camera follows the pictures, a calibrated one keeps its shape',
   assert.throws(() => calibrated.process(picture(480, 640), 1), /640x480.*480x640/);
 });
 
+test('another camera begins anew, unless its pictures have another shape', async () => {
+  const tracker = await HandTracker.create();
+  tracker.process(picture(640, 480), 0);
+  tracker.setCamera(readCamera(camera_text));
+  assert.ok(!tracker.process(picture(640, 480), 1).camera_assumed);
+  assert.equal(tracker.camera.fx_px, 618);
+  assert.throws(() => tracker.setCamera({ ...readCamera(camera_text), width_px: 700 }), /700x480.*640x480/);
+  tracker.setCamera(null);
+  assert.ok(tracker.process(picture(640, 480), 2).camera_assumed);
+});
+
 test('a camera file is read, and its faults are named', () => {
   const camera = readCamera(camera_text);
   assert.deepEqual([camera.width_px, camera.fx_px, camera.cy_px, camera.assumed], [640, 618, 236.94, false]);
