@@ -222,7 +222,9 @@ TEST_F(CliTest, OfTwoHandsTheSecondIsLookedForBesideTheFirst) {
   for (int i = 0; std::getline(poses, row); ++i) {
     EXPECT_EQ(row.rfind(std::to_string(i / 2) + ",", 0), 0u) << row;
     EXPECT_EQ(row.back(), i % 2 == 0 ? '1' : '2') << row;
-    if (i % 2 == 1) EXPECT_NE(row.find("searching"), std::string::npos) << row;
+    if (i % 2 == 1) {
+      EXPECT_NE(row.find("searching"), std::string::npos) << row;
+    }
   }
   EXPECT_EQ(lines(contents(out("p.csv"))), 181);
   const std::string events = contents(out("e.jsonl"));

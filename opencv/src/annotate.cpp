@@ -141,7 +141,8 @@ void draw_axes(const Pen& pen, const Camera& camera, const Eigen::Isometry3d& T_
   pen.dot(origin_px, 3, kWhite);
 }
 
-std::string status_line(const TrackResult& result, bool mirrored, const std::string& missing) {
+std::string status_line(const TrackResult& result, bool mirrored, const std::string& missing,
+                        bool brief) {
   std::string line(name(result.state));
   if (result.doubtful) line += " (doubtful)";
   if (result.layout)
@@ -151,10 +152,10 @@ std::string status_line(const TrackResult& result, bool mirrored, const std::str
   if (result.pose) {
     std::snprintf(text, sizeof text, "   %.0f mm%s",
                   1000 * result.pose->T_camera_hand.translation().norm(),
-                  result.scale_assumed ? " (assumed scale)" : "");
+                  result.scale_assumed && !brief ? " (assumed scale)" : "");
     line += text;
   }
-  if (result.times.total_ms > 0) {
+  if (result.times.total_ms > 0 && !brief) {
     std::snprintf(text, sizeof text, "   %.2f ms", result.times.total_ms);
     line += text;
   }
@@ -163,7 +164,7 @@ std::string status_line(const TrackResult& result, bool mirrored, const std::str
 }
 
 // A darkened band at the bottom: text on it is legible before any background. Of several hands each
-// has its part of it, from left to right as they are looked at.
+// has its part of it, with fewer words, from left to right as they are looked at.
 void draw_status(const Pen& pen, std::span<const AnnotatedHand> hands, const std::string& missing) {
   static const cv::Scalar colors[] = {
       {190, 190, 190}, {60, 200, 250}, {110, 220, 120}, {80, 100, 240}};  // as in State
@@ -176,7 +177,7 @@ void draw_status(const Pen& pen, std::span<const AnnotatedHand> hands, const std
     const int left = static_cast<int>(i) * width / static_cast<int>(hands.size());
     const auto across = [&](double x) { return pen.mirrored ? width - 1 - x : x; };
     pen.dot({across(left + 14 * pen.unit), y}, 5, colors[static_cast<std::size_t>(result.state)]);
-    const std::string line = status_line(result, pen.mirrored, missing);
+    const std::string line = status_line(result, pen.mirrored, missing, hands.size() > 1);
     int x = left + pen.thick(28);
     if (pen.mirrored) x = width - x - pen.size_of(line, 0.48).width;
     pen.text(line, {x, cvRound(y + 5 * pen.unit)}, 0.48, kWhite);
