@@ -7,6 +7,9 @@
 namespace handyar {
 namespace {
 
+// What stands on a hand that is read otherwise from now on goes there unseen, not in a leap.
+constexpr double kNewReading_s = 0.15;
+
 bool inside(const Eigen::Vector2d& px, const Camera& camera) {
   return px.x() >= 0 && px.y() >= 0 && px.x() <= camera.width_px - 1 &&
          px.y() <= camera.height_px - 1;
@@ -58,6 +61,7 @@ void HandTracker::Impl::report(TrackResult& result) noexcept {
     result.pose.reset();
   } else {
     result.doubtful = evidence.log_ratio < 8 || !result.pose ||
+                      seen.time_s - seen.changed_s < kNewReading_s ||
                       sigma_rotation_rad(result.pose->covariance) > config.belief.doubt_rad;
   }
 }

@@ -184,6 +184,7 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     seen.hypotheses = fresh;
     std::swap(aligner, scout);
     seen.filter.reset();
+    if (seen.state == State::tracking) seen.changed_s = seen.time_s;
     if (reading == Reading::elsewhere) seen.belief = candidate.log_odds;
     return;
   }

@@ -23,6 +23,8 @@ struct TrackerState {
   double belief = 0;  ///< log odds of hand against no hand
   double looked_s = -std::numeric_limits<double>::infinity();
   double tracked_s = -std::numeric_limits<double>::infinity();
+  /// When the hand that was tracked was last read otherwise, or another one taken for it.
+  double changed_s = -std::numeric_limits<double>::infinity();
   Hypotheses hypotheses;
   Person person;
   PoseFilter filter;
