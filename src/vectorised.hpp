@@ -10,3 +10,12 @@
 #else
 #define HANDYAR_VECTORISED
 #endif
+
+// What a vectorised function calls must be compiled with it, in its instruction set.
+#if defined(__GNUC__)
+#define HANDYAR_ALWAYS_INLINE [[gnu::always_inline]] inline
+#elif defined(_MSC_VER)
+#define HANDYAR_ALWAYS_INLINE __forceinline
+#else
+#define HANDYAR_ALWAYS_INLINE inline
+#endif

@@ -32,8 +32,8 @@ struct Reader {
 // Sums go over inputs in their order, for so many outputs at once: vectors hold different outputs,
 // never parts of one sum.
 template <int kOutputs, int kPixels>
-[[gnu::always_inline]] inline void mix(const float* in, int inputs, const float* weights,
-                                       const float* bias, float* out) {
+HANDYAR_ALWAYS_INLINE void mix(const float* in, int inputs, const float* weights, const float* bias,
+                               float* out) {
   float sum[kPixels][kOutputs];
   for (int p = 0; p < kPixels; ++p)
     for (int o = 0; o < kOutputs; ++o) sum[p][o] = bias[o];
@@ -50,9 +50,8 @@ template <int kOutputs, int kPixels>
 
 /// 1 x 1 convolution; `weights` output by output within an input.
 template <int kOutputs>
-[[gnu::always_inline]] inline void pointwise_to(const float* in, int pixels, int inputs,
-                                                const float* weights, const float* bias,
-                                                float* out) {
+HANDYAR_ALWAYS_INLINE void pointwise_to(const float* in, int pixels, int inputs,
+                                        const float* weights, const float* bias, float* out) {
   int p = 0;
   for (; p + 2 <= pixels; p += 2)
     mix<kOutputs, 2>(in + p * inputs, inputs, weights, bias, out + p * kOutputs);
