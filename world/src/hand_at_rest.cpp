@@ -11,7 +11,7 @@ namespace handyar::world {
 namespace {
 
 constexpr double kRest_s = 0.5;
-constexpr double kStill_px = 4;  // in a picture 640 pixels wide
+constexpr double kStill_px = 4;  // see scale_of()
 constexpr std::size_t kFewest = 15;
 
 }  // namespace
@@ -60,7 +60,7 @@ bool HandAtRest::still(const Picture& picture, const HandInWorld& hand, const cv
   if (errors_px.size() < kFewest) return false;
   const auto middle = errors_px.begin() + static_cast<std::ptrdiff_t>(errors_px.size() / 2);
   std::nth_element(errors_px.begin(), middle, errors_px.end());
-  return *middle < kStill_px * camera.width_px / 640;
+  return *middle < kStill_px * scale_of(camera);
 }
 
 }  // namespace handyar::world

@@ -8,14 +8,14 @@
 namespace handyar::world {
 namespace {
 
-constexpr double kNear_px = 8, kFar_px = 12;  // in a picture 640 pixels wide
+constexpr double kNear_px = 8, kFar_px = 12;  // see scale_of()
 
 std::optional<Seen> look_within(double radius_px, const WorldMap& map, const Picture& picture,
                                 const cv::Mat& free, const View& guess, const Belief& belief) {
   Seen seen;
   seen.reference = reference_for(map, guess);
   seen.matches = find_in_picture(map, map.keyframes[seen.reference], picture, free, guess,
-                                 radius_px * guess.camera.width_px / 640, kMostPoints);
+                                 radius_px * scale_of(guess.camera), kMostPoints);
   seen.pose = resect(map, seen.matches.seen, guess.camera, guess.T_camera_world);
   const auto inliers = seen.pose.inliers.size();
   const double asked = belief.share * static_cast<double>(seen.matches.expected.size());

@@ -17,6 +17,9 @@ namespace {
 constexpr double kMargin_px = 8;  // from the picture's edge: half a window
 constexpr float kAlike = 0.75f;   // least correlation of two patches that show the same
 constexpr double kLeastScale = 0.4, kMostScale = 2.5;  // of the keyframe in the picture
+// What looks the same farther along a grain or an edge is not found but stays where it was guessed:
+// the mean square gradient across is at least so much, or half of what is usual in a dull keyframe.
+constexpr double kEnoughStructure = 1;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 bool within(const Eigen::Vector2d& px, const cv::Size& size) {
@@ -75,12 +78,26 @@ class Patch {
     deviation_ = std::sqrt(deviation_);
   }
 
+  /// Mean square of the gradient, in the direction in which it is least.
+  double structure() const {
+    double xx = 0, yy = 0, xy = 0;
+    for (int i = 1; i + 1 < kSide; ++i)
+      for (int j = 1; j + 1 < kSide; ++j) {
+        const float* const at = &greys_[static_cast<std::size_t>(i * kSide + j)];
+        const double x = 0.5 * (at[1] - at[-1]), y = 0.5 * (at[kSide] - at[-kSide]);
+        xx += x * x;
+        yy += y * y;
+        xy += x * y;
+      }
+    return (0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy)) / ((kSide - 2) * (kSide - 2));
+  }
+
   float mean() const { return mean_; }
   float deviation() const { return deviation_; }
 
   /// Correlation, -1 .. 1; 0 where one of them shows nothing.
   friend float likeness(const Patch& a, const Patch& b) {
-    if (a.deviation_ < 2 || b.deviation_ < 1) return 0;
+    if (std::min(a.deviation_, b.deviation_) < 0.5f) return 0;
     float sum = 0;
     for (std::size_t i = 0; i < a.greys_.size(); ++i) sum += a.greys_[i] * b.greys_[i];
     return sum / (kSide * kSide * a.deviation_ * b.deviation_);
@@ -140,18 +157,26 @@ class Overlaid {
     return within(at, grey_.size()) ? std::optional(at) : std::nullopt;
   }
 
-  /// As bright and as rich in contrast as the picture, by patches that show about the same in both:
+  std::vector<Patch> patches(std::span<const cv::Point2f> middles) const {
+    std::vector<Patch> result;
+    for (const cv::Point2f& middle : middles) result.emplace_back(grey_, middle);
+    return result;
+  }
+
+  /// As bright and as rich in contrast as a picture, by patches of both that show about the same:
   /// cameras expose anew when they have looked elsewhere, and optical flow compares grey values.
-  void expose_like(const cv::Mat& picture, std::span<const cv::Point2f> here,
+  void expose_like(const cv::Mat& picture, std::span<const Patch> here,
                    std::span<const cv::Point2f> there) {
     std::vector<double> gains, offsets;
-    std::vector<std::pair<Patch, Patch>> patches;
+    std::vector<float> means;
     for (std::size_t i = 0; i < here.size(); ++i) {
-      const auto& [a, b] = patches.emplace_back(Patch(grey_, here[i]), Patch(picture, there[i]));
-      gains.push_back(b.deviation() / std::max(1.0f, a.deviation()));
+      const Patch patch(picture, there[i]);
+      gains.push_back(patch.deviation() / std::max(1.0f, here[i].deviation()));
+      means.push_back(patch.mean());
     }
     const double gain = std::clamp(median(gains), 0.25, 4.0);
-    for (const auto& [a, b] : patches) offsets.push_back(b.mean() - gain * a.mean());
+    for (std::size_t i = 0; i < here.size(); ++i)
+      offsets.push_back(means[i] - gain * here[i].mean());
     grey_.convertTo(grey_, -1, gain, median(offsets));
   }
 
@@ -161,12 +186,24 @@ class Overlaid {
   cv::Mat grey_;
 };
 
+/// Those that optical flow can find, of the patches of a keyframe.
+std::vector<bool> can_be_found(std::span<const Patch> patches) {
+  std::vector<double> structures;
+  for (const Patch& patch : patches) structures.push_back(patch.structure());
+  std::vector<double> sorted = structures;
+  const double least = std::min(kEnoughStructure, 0.75 * median(sorted));
+  std::vector<bool> result;
+  for (const double structure : structures) result.push_back(structure >= least);
+  return result;
+}
+
 cv::Point2f point(const Eigen::Vector2d& px) {
   return {static_cast<float>(px.x()), static_cast<float>(px.y())};
 }
 Eigen::Vector2d pixel(const cv::Point2f& p) { return {p.x, p.y}; }
 
 constexpr int kFlow = cv::OPTFLOW_USE_INITIAL_FLOW;
+constexpr double kLeastEigenvalue = 2e-4;
 const cv::TermCriteria kFlowEnd{cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 15, 0.01};
 
 }  // namespace
@@ -198,6 +235,7 @@ Matches find_in_picture(const WorldMap& map, const Keyframe& keyframe, const Pic
   const auto H = by_ground(map, keyframe, view);
   if (!H) return matches;
   Overlaid overlaid(*H, keyframe.grey, picture.grey.size());
+  std::vector<int> points;
   std::vector<cv::Point2f> from, to;
   const std::size_t count = keyframe.observations.size();
   const std::size_t stride =
@@ -210,7 +248,7 @@ Matches find_in_picture(const WorldMap& map, const Keyframe& keyframe, const Pic
     if (!free.empty() && free.at<std::uint8_t>(static_cast<int>(guess->y() + 0.5),
                                                static_cast<int>(guess->x() + 0.5)) == 0)
       continue;
-    matches.expected.push_back(o.point);
+    points.push_back(o.point);
     from.push_back(point(*start));
     to.push_back(point(*guess));
   }
@@ -218,17 +256,21 @@ Matches find_in_picture(const WorldMap& map, const Keyframe& keyframe, const Pic
   // Optical flow reaches as far as half its window; farther in smaller pictures.
   const int levels = radius_px < 0.6 * kFlowWindow_px.width ? 0 : 1;
   overlaid.lay(from, (kFlowWindow_px.width / 2 + 3) << levels);
-  overlaid.expose_like(picture.grey, from, to);
+  const std::vector<Patch> patches = overlaid.patches(from);
+  const std::vector<bool> findable = can_be_found(patches);
+  overlaid.expose_like(picture.grey, patches, to);
   const std::vector<cv::Point2f> guesses = to;
   std::vector<std::uint8_t> found;
   cv::calcOpticalFlowPyrLK(overlaid.grey(), picture.pyramid, from, to, found, cv::noArray(),
-                           kFlowWindow_px, levels, kFlowEnd, kFlow, 1e-3);
+                           kFlowWindow_px, levels, kFlowEnd, kFlow, kLeastEigenvalue);
   for (std::size_t i = 0; i < from.size(); ++i) {
+    if (!findable[i]) continue;
+    matches.expected.push_back(points[i]);
     const Eigen::Vector2d px = pixel(to[i]);
     if (!found[i] || !within(px, picture.grey.size())) continue;
     if ((px - pixel(guesses[i])).norm() > radius_px) continue;
-    if (likeness(Patch(overlaid.grey(), from[i]), Patch(picture.grey, to[i])) < kAlike) continue;
-    matches.seen.push_back({matches.expected[i], px});
+    if (likeness(patches[i], Patch(picture.grey, to[i])) < kAlike) continue;
+    matches.seen.push_back({points[i], px});
   }
   return matches;
 }
@@ -251,20 +293,23 @@ std::vector<Eigen::Vector2d> find_pixels(const WorldMap& map, const Keyframe& ke
   }
   if (from.empty()) return result;
   overlaid.lay();
-  overlaid.expose_like(other.grey, from, from);
+  const std::vector<Patch> patches = overlaid.patches(from);
+  const std::vector<bool> findable = can_be_found(patches);
+  overlaid.expose_like(other.grey, patches, from);
   std::vector<cv::Point2f> to = from, back = from;
   std::vector<std::uint8_t> found, found_back;
   cv::calcOpticalFlowPyrLK(overlaid.grey(), other_picture.pyramid, from, to, found, cv::noArray(),
-                           kFlowWindow_px, kFlowLevels, kFlowEnd, kFlow, 1e-3);
+                           kFlowWindow_px, kFlowLevels, kFlowEnd, kFlow, kLeastEigenvalue);
   back = to;
   cv::calcOpticalFlowPyrLK(other_picture.pyramid, overlaid.grey(), to, back, found_back,
-                           cv::noArray(), kFlowWindow_px, kFlowLevels, kFlowEnd, kFlow, 1e-3);
+                           cv::noArray(), kFlowWindow_px, kFlowLevels, kFlowEnd, kFlow,
+                           kLeastEigenvalue);
   for (std::size_t i = 0; i < from.size(); ++i) {
     const Eigen::Vector2d at = pixel(to[i]);
-    if (!found[i] || !found_back[i] || !within(at, other.grey.size())) continue;
+    if (!findable[i] || !found[i] || !found_back[i] || !within(at, other.grey.size())) continue;
     if ((at - pixel(from[i])).norm() > kRadius_px) continue;
     if ((pixel(back[i]) - pixel(from[i])).norm() > 0.5) continue;
-    if (likeness(Patch(overlaid.grey(), from[i]), Patch(other.grey, to[i])) < kAlike) continue;
+    if (likeness(patches[i], Patch(other.grey, to[i])) < kAlike) continue;
     result[which[i]] = at;
   }
   return result;
@@ -283,7 +328,7 @@ std::vector<Observation> follow(const WorldMap& map, const Picture& last,
   if (from.empty()) return followed;
   std::vector<std::uint8_t> found;
   cv::calcOpticalFlowPyrLK(last.pyramid, next.pyramid, from, to, found, cv::noArray(),
-                           kFlowWindow_px, kFlowLevels, kFlowEnd, kFlow, 1e-3);
+                           kFlowWindow_px, kFlowLevels, kFlowEnd, kFlow, kLeastEigenvalue);
   for (std::size_t i = 0; i < from.size(); ++i)
     if (found[i] && within(pixel(to[i]), next.grey.size()))
       followed.push_back({seen[i].point, pixel(to[i])});

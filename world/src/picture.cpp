@@ -58,7 +58,9 @@ Corners find_corners(const cv::Mat& grey, const cv::Mat& free) {
 std::vector<cv::Point2f> find_spots(const cv::Mat& grey, const cv::Mat& free) {
   std::vector<cv::KeyPoint> keypoints;
   cv::FastFeatureDetector::create(kThreshold)->detect(grey, keypoints, free);
-  spread(keypoints, grey.size(), 1);
+  constexpr int kSpotsInCell = 3, kMostSpots = 120;
+  spread(keypoints, grey.size(), kSpotsInCell);
+  if (keypoints.size() > kMostSpots) keypoints.resize(kMostSpots);
   std::vector<cv::Point2f> spots_px;
   cv::KeyPoint::convert(keypoints, spots_px);
   return spots_px;

@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <opencv2/core.hpp>
 #include <vector>
+
+#include "handyar/camera.hpp"
 
 namespace handyar::world {
 
 /// The window of optical flow, and how often the picture is halved for it.
 inline const cv::Size kFlowWindow_px{15, 15};
 inline constexpr int kFlowLevels = 3;
+
+/// How many pixels are one of a picture whose longer side has 640.
+inline double scale_of(const Camera& camera) {
+  return std::max(camera.width_px, camera.height_px) / 640.0;
+}
 
 /// A grey picture with its pyramid for optical flow.
 struct Picture {
@@ -26,7 +34,7 @@ struct Corners {
 };
 Corners find_corners(const cv::Mat& grey, const cv::Mat& free);
 
-/// The strongest corner of each part of the picture that is free, without a descriptor: quickly
+/// The strongest corners of each part of the picture that is free, without a descriptor: quickly
 /// found, to be followed.
 std::vector<cv::Point2f> find_spots(const cv::Mat& grey, const cv::Mat& free);
 

@@ -16,7 +16,7 @@ constexpr float kMostBits = 64;    // of 256, in which the same corner may look 
 constexpr float kOnlyOne = 0.85f;  // the next best must look that much less alike
 constexpr std::size_t kKeyframes = 3;
 constexpr int kHypotheses = 200;
-constexpr float kReprojection_px = 4;  // in a picture 640 pixels wide
+constexpr double kReprojection_px = 4;  // see scale_of()
 constexpr Belief kLikely{15, 0.25, 3};
 
 /// Points of the map that a keyframe shows, where corners of a picture look like them.
@@ -47,10 +47,10 @@ std::optional<Resection> pose_of(const WorldMap& map, const std::vector<Observat
   }
   cv::Vec3d rotation, translation;
   std::vector<int> inliers;
-  const bool solved = cv::solvePnPRansac(
-      world_m, px, camera_matrix(camera), camera.distortion, rotation, translation, false,
-      kHypotheses, kReprojection_px * static_cast<float>(camera.width_px) / 640, 0.99, inliers,
-      cv::SOLVEPNP_AP3P);
+  const bool solved = cv::solvePnPRansac(world_m, px, camera_matrix(camera), camera.distortion,
+                                         rotation, translation, false, kHypotheses,
+                                         static_cast<float>(kReprojection_px * scale_of(camera)),
+                                         0.99, inliers, cv::SOLVEPNP_AP3P);
   if (!solved || std::ssize(inliers) < kFewestInliers) return std::nullopt;
   std::vector<Observation> agreeing;
   for (const int i : inliers) agreeing.push_back(pairs[static_cast<std::size_t>(i)]);

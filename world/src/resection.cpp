@@ -6,6 +6,7 @@
 #include <bitset>
 #include <cmath>
 
+#include "picture.hpp"
 #include "rigid.hpp"
 
 namespace handyar::world {
@@ -15,7 +16,7 @@ constexpr int kIterations = 10;
 constexpr std::size_t kFewest = 6;
 constexpr double kTukey = 4.685;  // of the usual error: farther ones do not count
 constexpr double kLeastError_px = 0.4;
-constexpr double kInlier_px = 2.5;  // in a picture 640 pixels wide
+constexpr double kInlier_px = 2.5;  // see scale_of()
 constexpr double kNear_m = 0.02;
 
 using Matrix26d = Eigen::Matrix<double, 2, 6>;
@@ -76,7 +77,7 @@ Resection resect(const WorldMap& map, std::span<const Observation> seen, const C
     result.T_camera_world = moved(step, result.T_camera_world);
     if (step.norm() < 1e-7) break;
   }
-  const double inlier_px = kInlier_px * camera.width_px / 640;
+  const double inlier_px = kInlier_px * scale_of(camera);
   double squares = 0;
   for (const Observation& o : seen) {
     Residual r;

@@ -85,6 +85,9 @@ WorldResult WorldTracker::Impl::process(const cv::Mat& bgr, double time_s,
                                         const HandInWorld& hand) {
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  // Noise looks like structure along a grain, and what is followed there would stay where it was
+  // guessed.
+  cv::GaussianBlur(grey, grey, {5, 5}, 1.0);
   last_picture_ = std::move(picture_);
   picture_ = make_picture(grey);
   free_ = free_of_hand(hand, camera);
