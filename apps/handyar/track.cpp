@@ -119,7 +119,7 @@ Command add_track(CLI::App& app) {
       ->capture_default_str();
   options
       ->add_option("--events", run->events_out,
-                   "Write when the hand is found and lost (JSON lines)")
+                   "Write when the hand is found and lost, grabs, releases and clicks (JSON lines)")
       ->type_name("FILE");
   options
       ->add_option("--record", run->record_out,

@@ -117,19 +117,21 @@ void require_all_seen(const TrackingRun& run, const Summary& summary) {
                                  ", the last one is " + std::to_string(summary.last_frame));
 }
 
-// Found and lost, when the one or the other happens.
+// Found and lost, grabbed, released and clicked, when the one or the other happens. A hand that
+// folds its fingers is not lost.
 class Changes {
  public:
   /// `hand`: its number in the log, where there are two; else 0.
   explicit Changes(int hand) : hand_(hand) {}
 
   void tell(EventLog& log, std::int64_t frame, const TrackResult& result) {
-    const bool tracked = result.state == State::tracking;
+    nlohmann::ordered_json more = nlohmann::ordered_json::object();
+    if (hand_ > 0) more["hand"] = hand_;
+    if (result.gesture_event) log.write(name(*result.gesture_event), frame, result.time_s, more);
+    const bool tracked = result.state == State::tracking || result.held_pose;
     if (tracked == tracked_) return;
     tracked_ = tracked;
-    nlohmann::ordered_json more = nlohmann::ordered_json::object();
     if (tracked && result.layout) more["layout"] = name(*result.layout);
-    if (hand_ > 0) more["hand"] = hand_;
     log.write(tracked ? "found" : "lost", frame, result.time_s, more);
   }
 

@@ -11,6 +11,7 @@
 #include "handyar/api.h"
 #include "handyar/camera.hpp"
 #include "handyar/config.hpp"
+#include "handyar/gesture.hpp"
 #include "handyar/hand_model.hpp"
 #include "handyar/image_view.hpp"
 #include "handyar/pose.hpp"
@@ -62,6 +63,11 @@ struct TrackResult {
   std::array<FingerState, kFingerCount> fingers;  ///< while there is a pose
   std::optional<PoseEstimate> raw_pose;           ///< from this frame alone, before the filter
   std::optional<FilteredPose> pose;               ///< filtered, at this frame's time
+  Gesture gesture = Gesture::open;                ///< held for a tenth of a second at least
+  std::optional<GestureEvent> gesture_event;      ///< that this frame completed
+  /// While fingers are folded there is no `pose`; this is where the palm is, so that an object
+  /// stays on it. Less sure than a pose; there is none of a hand that was not seen open before.
+  std::optional<FilteredPose> held_pose;
   StageTimes times;
   bool scale_assumed = false;   ///< the hand was not measured: lengths are an average adult's
   bool camera_assumed = false;  ///< the camera was not calibrated

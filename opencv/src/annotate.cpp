@@ -144,10 +144,12 @@ void draw_axes(const Pen& pen, const Camera& camera, const Eigen::Isometry3d& T_
 std::string status_line(const TrackResult& result, bool mirrored, const std::string& missing,
                         bool brief) {
   std::string line(name(result.state));
+  if (result.gesture != Gesture::open) line = name(result.gesture);
   if (result.doubtful) line += " (doubtful)";
   if (result.layout)
     line += "   " + std::string(name(mirrored ? opposite(*result.layout) : *result.layout));
-  if (result.state != State::tracking && !missing.empty()) return line + "   " + missing;
+  if (result.state != State::tracking && !result.held_pose && !missing.empty())
+    return line + "   " + missing;
   char text[96];
   if (result.pose) {
     std::snprintf(text, sizeof text, "   %.0f mm%s",

@@ -39,6 +39,31 @@ constexpr double kLearnInside_m = 0.0075, kLearnOutside_m = 0.0135;
 // Colours of which less is kept tell nothing.
 constexpr float kForgets = 0.01f;
 
+/// Points inside a part: along a finger's axis, or spread over the palm.
+constexpr int kMostInside = 16;
+using Inside = Eigen::Matrix<double, 3, kMostInside>;
+Inside points_inside(const PosedFigure& posed, int part) {
+  constexpr int kSide = 4;  // of the palm's grid
+  Inside points;
+  const auto mix = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b, double t) {
+    return ((1 - t) * a + t * b).eval();
+  };
+  const auto centre = [&](int sphere) { return posed.centres_m.col(sphere).eval(); };
+  for (int i = 0; i < kMostInside; ++i) {
+    if (part < kFingerCount) {
+      const double t = 2.0 * i / (kMostInside - 1);  // in bones
+      const int bone = std::min(static_cast<int>(t), 1);
+      points.col(i) =
+          mix(centre(sphere_of(part, 1 + bone)), centre(sphere_of(part, 2 + bone)), t - bone);
+      continue;
+    }
+    const double across = (i % kSide + 0.5) / kSide, up = (i / kSide + 0.5) / kSide;
+    points.col(i) = mix(mix(centre(kWristThumb), centre(kWristLittle), across),
+                        mix(centre(sphere_of(1, 0)), centre(sphere_of(4, 0)), across), up);
+  }
+  return points;
+}
+
 }  // namespace
 
 void HandState::correct(const HandVector& step) noexcept {
@@ -159,6 +184,30 @@ Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearanc
   }
   a.valid = a.state.T_camera_hand.matrix().allFinite();
   return a;
+}
+
+std::optional<double> Aligner::share_of_hand(const ImageView& frame, const Camera& camera,
+                                             Appearance appearance, const HandState& state,
+                                             int part) const noexcept {
+  const PixelReader reader(frame);
+  const Inside points = points_inside(
+      pose_fingers(make_figure(state.figure, appearance.face, appearance.layout), state.posture),
+      part);
+  std::array<ColorBin, kMostInside> bins{};
+  std::size_t count = 0;
+  for (int i = 0; i < kMostInside; ++i) {
+    const Eigen::Vector3d p = state.T_camera_hand * points.col(i);
+    if (!(p.z() > 0)) continue;
+    const Eigen::Vector2f px = camera.project(p).cast<float>();
+    if (!reader.covers(px.x(), px.y())) continue;
+    bins[count++] = reader.at(static_cast<int>(px.x() + 0.5f), static_cast<int>(px.y() + 0.5f)).bin;
+  }
+  if (2 * count < kMostInside) return std::nullopt;
+  std::array<float, kMostInside> ratios{};
+  impl_->colors.log_ratios(part, {bins.data(), count}, ratios);
+  return static_cast<double>(std::count_if(ratios.begin(), ratios.begin() + count,
+                                           [](float ratio) { return ratio > 0; })) /
+         static_cast<double>(count);
 }
 
 void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance appearance,

@@ -50,8 +50,8 @@ class PolygonFiller {
 }  // namespace
 
 HandMask HandTracker::Impl::draw_mask() noexcept {
-  if (seen.hypotheses.size() == 0) return {};
-  const Hypothesis& best = seen.hypotheses.best();
+  if (!in_view()) return {};
+  const Hypothesis& best = *in_view();
   const HandView view(camera, best.alignment.state.T_camera_hand.translation());
   const Silhouette silhouette(best.appearance, best.alignment.state, view);
   if (!silhouette.valid()) return {};

@@ -47,7 +47,9 @@ void turn_over(Hypothesis& h) {
   T.linear().col(2) *= -1;
 }
 
-Hypothesis predicted(const Hypothesis& h, double dt_s) {
+}  // namespace
+
+Hypothesis predicted(const Hypothesis& h, double dt_s) noexcept {
   Hypothesis next = h;
   const Eigen::Matrix<double, 6, 1> move = kKeepsOn * dt_s * h.velocity;
   Eigen::Isometry3d& T = next.alignment.state.T_camera_hand;
@@ -55,8 +57,6 @@ Hypothesis predicted(const Hypothesis& h, double dt_s) {
   T.translation() += move.tail<3>();
   return next;
 }
-
-}  // namespace
 
 HandPrior prior_around(const HandState& expected, const Person& person, double dt_s,
                        const TrackerConfig& config) noexcept {
@@ -98,6 +98,13 @@ void Hypotheses::sort_and_prune() noexcept {
   while (count_ > 1 && items_[count_ - 1].log_weight < items_[0].log_weight - kUnlikely) --count_;
   const double best = count_ > 0 ? items_[0].log_weight : 0;
   for (int i = 0; i < count_; ++i) items_[i].log_weight -= best;
+}
+
+void Hypotheses::resume(const Hypothesis& hypothesis) noexcept {
+  count_ = 1;
+  since_reconsidered_s_ = 0;
+  items_[0] = hypothesis;
+  items_[0].log_weight = 0;
 }
 
 bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,

@@ -30,6 +30,8 @@ class Hypotheses {
   int size() const { return count_; }
   const Hypothesis& best() const { return items_[0]; }
   void clear() { count_ = 0; }
+  /// A hand that is seen in one way alone.
+  void resume(const Hypothesis& hypothesis) noexcept;
 
   /// Both faces and both planar solutions of a hand that the finder saw. False when none of them
   /// can be laid on the picture.
@@ -53,6 +55,9 @@ class Hypotheses {
   int turn_ = 0;  ///< of the alternatives, which one is next
   double since_reconsidered_s_ = 0;
 };
+
+/// Where a hand is `dt_s` later: it goes on as it went, a little slower.
+Hypothesis predicted(const Hypothesis& hypothesis, double dt_s) noexcept;
 
 constexpr double kLongAgo_s = std::numeric_limits<double>::infinity();
 

@@ -31,17 +31,21 @@ Tip shown(const Eigen::Vector3d& p_hand, const Eigen::Isometry3d& T_camera_hand,
 
 void HandTracker::Impl::report(TrackResult& result) noexcept {
   result.state = seen.state;
+  result.gesture = seen.gestures.gesture();
+  result.gesture_event = seen.gestures.event();
   evidence = {};
   evidence.candidates = candidates;
   evidence.belief = seen.belief;
   evidence.hypotheses = seen.hypotheses.size();
+  if (const Hypothesis* seen_hand = in_view()) {
+    result.layout = seen_hand->appearance.layout;
+    result.face = seen_hand->appearance.face;
+  }
   if (seen.hypotheses.size() == 0) return;
   const Hypothesis& best = seen.hypotheses.best();
   const HandState& state = best.alignment.state;
   evidence.outline = aligner.outline();
   evidence.log_ratio = best.alignment.log_ratio;
-  result.layout = best.appearance.layout;
-  result.face = best.appearance.face;
   const HandFigure figure = make_figure(state.figure, best.appearance.face, best.appearance.layout);
   const PosedFigure posed = pose_fingers(figure, state.posture);
   for (int f = 0; f < kFingerCount; ++f)

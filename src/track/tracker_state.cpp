@@ -68,12 +68,14 @@ HandTracker::Impl::Impl(const Camera& c, const HandModel& h, const Config& cfg)
       aligner(config.align),
       scout(config.align),
       seen{.hypotheses = {},
+           .gestures = {},
            .person = Person(estimate_figure(h)),
            .filter = PoseFilter(config.filter)},
       learned_hand(h) {}
 
 void HandTracker::Impl::reset() noexcept {
   seen = {.hypotheses = {},
+          .gestures = {},
           .person = Person(estimate_figure(hand)),
           .filter = PoseFilter(config.filter)};
   aligner.forget();
@@ -90,6 +92,7 @@ FrameStatus HandTracker::Impl::admit(const ImageView& frame, double time_s) noex
   if (frame.width_px != camera.width_px || frame.height_px != camera.height_px) {
     camera = calibrated_camera.scaled_to(frame.width_px, frame.height_px);
     seen.hypotheses.clear();
+    seen.gestures = {};
     seen.belief = 0;
   }
   return FrameStatus::ok;
@@ -99,6 +102,23 @@ void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
   if (!seen.hypotheses.follow(frame, camera, seen.person, dt_s, config, aligner) ||
       follows_hand_of_other())
     seen.hypotheses.clear();
+}
+
+void HandTracker::Impl::compare_postures(const ImageView& frame, double dt_s) noexcept {
+  Gestures& gestures = seen.gestures;
+  const bool open = has_hand() && (seen.state == State::tracking || gestures.holds());
+  gestures.update(frame, camera, seen.person, open ? &seen.hypotheses.best() : nullptr, dt_s,
+                  config, aligner);
+  if (gestures.folded()) seen.hypotheses.clear();
+  if (gestures.opened()) {
+    seen.hypotheses.resume(gestures.hand());
+    seen.belief = config.belief.believe + kMostFrame;
+  }
+}
+
+const Hypothesis* HandTracker::Impl::in_view() const noexcept {
+  if (seen.gestures.holds()) return &seen.gestures.hand();
+  return has_hand() ? &seen.hypotheses.best() : nullptr;
 }
 
 HandTracker::Impl::Followed HandTracker::Impl::followed() const noexcept {
@@ -152,7 +172,8 @@ void HandTracker::Impl::find(const ImageView& frame, bool only_there) noexcept {
 
 void HandTracker::Impl::look(const ImageView& frame) noexcept {
   const bool had = has_hand();
-  const bool sure = holds_hand() && seen.state == State::tracking;
+  const bool folded = seen.gestures.gesture() != Gesture::open;
+  const bool sure = folded || (holds_hand() && seen.state == State::tracking);
   const double since_s = seen.time_s - seen.looked_s;
   if ((sure && since_s < kLook_s) || (!had && !may_search())) return;
   seen.looked_s = seen.time_s;
@@ -176,6 +197,8 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     Hypotheses fresh;
     if (!fresh.begin(candidate, frame, camera, seen.person, config, scout)) continue;
     const Alignment& best = fresh.best().alignment;
+    // Where an open hand may be folding, only another one is taken that is as good.
+    if (seen.gestures.watches() && !seen.gestures.fits(best)) continue;
     // Of two readings of one hand the picture decides, of two hands the one that is believed more.
     const bool better = reading == Reading::otherwise
                             ? best.log_ratio > followed_ratio + kClearlyBetter
@@ -214,10 +237,14 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
   } else {
     seen.state = was ? State::lost : State::acquiring;
   }
+  if (seen.gestures.holds()) {
+    seen.state = State::lost;
+    seen.tracked_s = seen.time_s;
+  }
 }
 
 void HandTracker::Impl::filter(TrackResult& result) noexcept {
-  const Alignment& best = seen.hypotheses.best().alignment;
+  const Alignment& best = in_view()->alignment;
   PoseEstimate raw;
   raw.T_camera_hand = best.state.T_camera_hand;
   raw.covariance = pose_covariance(best.information);
@@ -225,13 +252,18 @@ void HandTracker::Impl::filter(TrackResult& result) noexcept {
   if (hand.source == HandSource::average_adult)
     raw.covariance.bottomRightCorner<3, 3>() += origin_covariance(raw.T_camera_hand);
   raw.rms_px = best.rms_px;
-  result.raw_pose = raw;
   // A hand that turns over goes on in another hand frame: the half turn between them is no motion.
-  const Layout layout = seen.hypotheses.best().appearance.layout;
+  const Layout layout = in_view()->appearance.layout;
   if (layout != seen.filtered_layout) seen.filter.reset();
   seen.filtered_layout = layout;
   seen.filter.update(seen.time_s, raw);
-  result.pose = seen.filter.predict(seen.time_s);
+  const auto filtered = seen.filter.predict(seen.time_s);
+  if (seen.gestures.holds()) {
+    result.held_pose = filtered;
+  } else {
+    result.raw_pose = raw;
+    result.pose = filtered;
+  }
 }
 
 void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {

@@ -10,6 +10,7 @@
 #include "handyar/stages/evidence.hpp"
 #include "handyar/stages/hand_finder.hpp"
 #include "handyar/tracker.hpp"
+#include "track/gestures.hpp"
 #include "track/hypotheses.hpp"
 #include "track/person.hpp"
 #include "track/tracker_config.hpp"
@@ -26,6 +27,7 @@ struct TrackerState {
   /// When the hand that was tracked was last read otherwise, or another one taken for it.
   double changed_s = -std::numeric_limits<double>::infinity();
   Hypotheses hypotheses;
+  Gestures gestures;
   Person person;
   PoseFilter filter;
   Layout filtered_layout = Layout::thumb_right;  ///< of the hand frame that the filter follows
@@ -39,12 +41,15 @@ struct HandTracker::Impl {
 
   FrameStatus admit(const ImageView& frame, double time_s) noexcept;
   void follow(const ImageView& frame, double dt_s) noexcept;
+  void compare_postures(const ImageView& frame, double dt_s) noexcept;
   void look(const ImageView& frame) noexcept;
   void believe(double dt_s) noexcept;
   void filter(TrackResult& result) noexcept;
   void learn(const ImageView& frame, double dt_s) noexcept;
   void report(TrackResult& result) noexcept;
   HandMask draw_mask() noexcept;
+  /// The hand as this frame shows it, open or folded; null where there is none.
+  const Hypothesis* in_view() const noexcept;
   void reset() noexcept;
 
   /// The hand that is followed, in the frame.

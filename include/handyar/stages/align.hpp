@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "handyar/camera.hpp"
@@ -91,6 +92,13 @@ class Aligner {
   /// elsewhere, none are taken: the figure lies wrong there, and would be confirmed in it.
   void learn(const ImageView& frame, const Camera& camera, Appearance appearance,
              const HandState& state, float keep, double margin_m) noexcept;
+
+  /// Of the inside of a part of a state's figure, a finger from its middle joint on or the palm
+  /// (kFingerCount), the share that has the hand's colours; empty where most of it is out of the
+  /// frame.
+  std::optional<double> share_of_hand(const ImageView& frame, const Camera& camera,
+                                      Appearance appearance, const HandState& state,
+                                      int part) const noexcept;
 
   /// The outline of the last alignment. Valid until the next call.
   std::span<const OutlinePoint> outline() const noexcept;

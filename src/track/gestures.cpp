@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "track/gestures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace handyar {
+
+std::string_view name(Gesture gesture) noexcept {
+  switch (gesture) {
+    case Gesture::open:
+      return "open";
+    case Gesture::fist:
+      return "fist";
+    case Gesture::four:
+      return "four";
+  }
+  return "unknown";
+}
+
+std::string_view name(GestureEvent event) noexcept {
+  switch (event) {
+    case GestureEvent::grab:
+      return "grab";
+    case GestureEvent::release:
+      return "release";
+    case GestureEvent::click:
+      return "click";
+  }
+  return "unknown";
+}
+
+namespace {
+
+// The fingers in each posture, as they fit rendered hands best. Seen from the front, a fist's
+// fingers point to the camera; a folded thumb lies before the palm or behind it.
+constexpr std::array<Posture, 3> kFingers = {
+    {{}, {{-0.74, 0, 0, 0, 0}, {0.65, 1.35, 1.35, 1.35, 1.35}}, {{-0.75}, {0.95}}}};
+// They are held firmly, and the palm moves little from frame to frame (standard deviations): less
+// of a folded hand's outline is seen, and what is seen does not fit as well.
+constexpr double kFinger_rad = 0.05, kTurn_rad = 0.1, kMove_m = 0.03;
+// How far the outline may be off in a hand that is followed, and in one that begins to fold.
+constexpr double kNear_m = 0.009, kFar_m = 0.015;
+
+constexpr int kThumb = 0;
+
+// An open hand fits while its thumb is not turned in farther than thumbs at rest are, and while its
+// log ratio is more than this share of what is usual for it, the mean of about this time; hands
+// that explain less than the least are nothing to go by.
+constexpr double kFits = 0.8, kUsual_s = 0.5, kLeastOpen = 14, kThumbIn_rad = -0.45;
+// One whose log ratio is less than this is followed no more.
+constexpr double kLost = 6;
+// A posture leads whose outline explains the picture better than the open hand's by so much. The
+// thumb of an open hand may lie anywhere, so its outline tells little.
+constexpr double kFistBetter = 5, kFourBetter = -1;
+// It must explain something itself; little of a fist's outline is told from inside.
+constexpr double kLeastFist = -4, kLeastFour = 8;
+// A finger is where it is expected when this share of its inside has the hand's colours, and gone
+// when no more than this has.
+constexpr double kThere = 0.7, kGone = 0.35;
+// Of the thumb: a folded one's root stays where it was, a fist's may lie beside the palm.
+constexpr double kThumbOfFour = 0.2, kThumbOfFist = 0.5;
+// So long a posture leads before it counts; so long no posture may fit before the hand is given up.
+constexpr double kConfirm_s = 0.1, kUnclear_s = 0.3;
+
+using Shares = std::array<std::optional<double>, kFingerCount + 1>;  // of each part; the palm last
+bool there(std::optional<double> share) { return share.value_or(0) >= kThere; }
+bool gone(std::optional<double> share, double most = kGone) { return share.value_or(1) <= most; }
+
+/// How many of the fingers but the thumb are gone.
+int gone_fingers(const Shares& shares) {
+  return static_cast<int>(std::count_if(shares.begin() + 1, shares.begin() + kFingerCount,
+                                        [](std::optional<double> share) { return gone(share); }));
+}
+bool is_fist(const Shares& shares) {
+  return there(shares[kFingerCount]) && gone(shares[kThumb], kThumbOfFist) &&
+         gone_fingers(shares) == kFingerCount - 1;
+}
+bool is_folding(const Shares& shares) {
+  return there(shares[kFingerCount]) && gone_fingers(shares) >= 2;
+}
+bool is_four(const Shares& shares) {
+  return gone(shares[kThumb], kThumbOfFour) && std::all_of(shares.begin() + 1, shares.end(), there);
+}
+
+}  // namespace
+
+bool Gestures::fits(const Alignment& open) const noexcept {
+  return open.state.posture.abduction_rad[kThumb] > kThumbIn_rad &&
+         open.log_ratio > std::max(kLeastOpen, kFits * usual_ratio_);
+}
+
+void Gestures::remember(const Hypothesis& open, double dt_s) noexcept {
+  hand_ = open;
+  const double keep = usual_ratio_ > 0 ? std::exp(-dt_s / kUsual_s) : 0;
+  usual_ratio_ = keep * usual_ratio_ + (1 - keep) * open.alignment.log_ratio;
+}
+
+void Gestures::carry(const Alignment& laid, double dt_s) noexcept {
+  hand_.velocity = hand_.alignment.state.difference(laid.state).head<6>() / dt_s;
+  hand_.alignment = laid;
+}
+
+void Gestures::open() noexcept {
+  if (gesture_ == Gesture::fist) event_ = GestureEvent::release;
+  gesture_ = leader_ = Gesture::open;
+  holds_ = false;
+  leads_s_ = unclear_s_ = 0;
+}
+
+void Gestures::forget() noexcept {
+  open();
+  usual_ratio_ = 0;
+  watches_ = false;
+}
+
+void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& person, double dt_s,
+                   const TrackerConfig& config, Aligner& aligner) noexcept {
+  for (int i = 0; i < kPostures; ++i) {
+    HandState expected = hand_.alignment.state;
+    expected.posture = kFingers[i];
+    HandPrior prior = prior_around(expected, person, dt_s, config);
+    prior.mean.posture = kFingers[i];
+    const auto expect = [&](int at, int count, double sigma) {
+      prior.information.diagonal().segment(at, count).setConstant(1 / (sigma * sigma));
+    };
+    expect(0, 3, kTurn_rad);
+    expect(3, 3, kMove_m);
+    expect(kAbductionAt, 2 * kFingerCount, kFinger_rad);
+    laid_[i] = aligner.align(frame, camera, hand_.appearance, expected, prior,
+                             folded() ? kNear_m : kFar_m);
+    if (!laid_[i].valid) laid_[i].log_ratio = -std::numeric_limits<double>::infinity();
+  }
+}
+
+Gestures::Shares Gestures::shares(const HandState& state, const ImageView& frame,
+                                  const Camera& camera, const Aligner& aligner) const noexcept {
+  HandState outstretched = state;
+  outstretched.posture = {};
+  Shares shares;
+  for (int part = 0; part <= kFingerCount; ++part)
+    shares[part] = aligner.share_of_hand(frame, camera, hand_.appearance, outstretched, part);
+  return shares;
+}
+
+Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, const Camera& camera,
+                         const Aligner& aligner) const noexcept {
+  double outstretched = ratio(Gesture::open);
+  if (tracked && tracked->alignment.log_ratio > kLost)
+    outstretched = std::max(outstretched, tracked->alignment.log_ratio);
+  if (ratio(Gesture::fist) > std::max(kLeastFist, outstretched + kFistBetter) &&
+      is_fist(shares(laid(Gesture::fist).state, frame, camera, aligner)))
+    return Gesture::fist;
+  if (ratio(Gesture::four) > std::max(kLeastFour, outstretched + kFourBetter) &&
+      is_four(shares(laid(Gesture::four).state, frame, camera, aligner)))
+    return Gesture::four;
+  return Gesture::open;
+}
+
+void Gestures::lead(Gesture posture, double dt_s) noexcept {
+  carry(laid(posture), dt_s);
+  leads_s_ = posture == leader_ ? leads_s_ + dt_s : 0;
+  leader_ = posture;
+  holds_ = false;
+  unclear_s_ = 0;
+  if (posture == gesture_ || leads_s_ < kConfirm_s) return;
+  gesture_ = posture;
+  event_ = posture == Gesture::fist ? GestureEvent::grab : GestureEvent::click;
+}
+
+void Gestures::update(const ImageView& frame, const Camera& camera, const Person& person,
+                      const Hypothesis* tracked, double dt_s, const TrackerConfig& config,
+                      Aligner& aligner) noexcept {
+  event_.reset();
+  watches_ = opened_ = false;
+  if (tracked && fits(tracked->alignment)) {
+    open();
+    remember(*tracked, dt_s);
+    return;
+  }
+  if (usual_ratio_ == 0) return;
+  watches_ = true;
+  lay(frame, camera, person, dt_s, config, aligner);
+  const Gesture posture = choose(tracked, frame, camera, aligner);
+  if (posture != Gesture::open) return lead(posture, dt_s);
+  if (folded() && fits(laid(Gesture::open))) {
+    opened_ = true;
+    carry(laid(Gesture::open), dt_s);
+    return open();
+  }
+  unclear_s_ += dt_s;
+  if (unclear_s_ > kUnclear_s) return forget();
+  if (gesture_ != Gesture::open) return;  // it may come back
+  leader_ = Gesture::open;
+  // Fingers between two postures are followed wherever the picture leads them: better to stay.
+  holds_ = !(tracked && tracked->alignment.log_ratio > kLost) &&
+           is_folding(shares(hand_.alignment.state, frame, camera, aligner));
+}
+
+}  // namespace handyar
