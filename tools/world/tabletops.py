@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Specs of tabletops that a hand sets up: it lies there, goes, and the camera orbits, looks away four times and comes back.
 
-  tabletops.py RENDER/tools FIRST LAST --out specs
+  tabletops.py RENDER/tools FIRST LAST --out OUT/specs
 
-Writes specs/tabletop_001.json ...; the same seed gives the same spec: another hand, skin, table, room, clutter and motion.
+Writes OUT/specs/tabletop_001.json ...; the same seed gives the same spec: another hand, skin, table, room, clutter and motion.
 """
 import argparse
 import json
@@ -71,7 +71,7 @@ def main():
     parser.add_argument('render_tools', help='RENDER/tools, for mkrandom.py')
     parser.add_argument('first', type=int)
     parser.add_argument('last', type=int)
-    parser.add_argument('--out', default='specs')
+    parser.add_argument('--out', required=True)
     args = parser.parse_args()
     sys.path.insert(0, args.render_tools)
     import mkrandom
