@@ -106,6 +106,9 @@ TEST_F(Allocations, NoneAfterTheFirstFrame) {
   film.present = true;
   EXPECT_EQ(count(film, 20), 0) << "finding it again";
   EXPECT_EQ(film.result.state, State::tracking);
+  film.hand.state.posture = {{-0.7, 0, 0, 0, 0}, {0.7, 1.35, 1.35, 1.35, 1.35}};
+  EXPECT_EQ(count(film, 20), 0) << "closed to a fist";
+  EXPECT_EQ(film.result.gesture, Gesture::fist);
   film.tracker.reset();
   film.noise = 60;
   EXPECT_EQ(count(film, 10), 0) << "noise";

@@ -37,10 +37,13 @@ namespace {
 // fingers point to the camera; a folded thumb lies before the palm or behind it.
 constexpr std::array<Posture, 3> kFingers = {
     {{}, {{-0.74, 0, 0, 0, 0}, {0.65, 1.35, 1.35, 1.35, 1.35}}, {{-0.75}, {0.95}}}};
+// A fist's knuckles lie nearer to the wrist than the roots of the figure's fingers, so that it
+// comes to lie lower than the palm, by about this (y of the hand frame).
+constexpr std::array<double, 3> kLower_m = {0, 0.005, 0};
 // They are held firmly, and the palm moves little from frame to frame (standard deviations): less
 // of a folded hand's outline is seen, and what is seen does not fit as well.
 constexpr double kFinger_rad = 0.05, kTurn_rad = 0.1, kMove_m = 0.03;
-// How far the outline may be off in a hand that is followed, and in one that begins to fold.
+// How far the outline may be off in a posture that is followed, and in one that begins.
 constexpr double kNear_m = 0.009, kFar_m = 0.015;
 
 constexpr int kThumb = 0;
@@ -56,6 +59,8 @@ constexpr double kLost = 6;
 constexpr double kFistBetter = 5, kFourBetter = -1;
 // It must explain something itself; little of a fist's outline is told from inside.
 constexpr double kLeastFist = -4, kLeastFour = 8;
+// And so much to go on carrying the palm: fingers that open again would pull it with them.
+constexpr double kCarries = -0.5;
 // A finger is where it is expected when this share of its inside has the hand's colours, and gone
 // when no more than this has.
 constexpr double kThere = 0.7, kGone = 0.35;
@@ -97,9 +102,11 @@ void Gestures::remember(const Hypothesis& open, double dt_s) noexcept {
   usual_ratio_ = keep * usual_ratio_ + (1 - keep) * open.alignment.log_ratio;
 }
 
-void Gestures::carry(const Alignment& laid, double dt_s) noexcept {
-  hand_.velocity = hand_.alignment.state.difference(laid.state).head<6>() / dt_s;
-  hand_.alignment = laid;
+void Gestures::carry(Gesture posture, double dt_s) noexcept {
+  Alignment palm = laid(posture);
+  palm.state.T_camera_hand.translate(Eigen::Vector3d(0, kLower_m[static_cast<int>(posture)], 0));
+  hand_.velocity = hand_.alignment.state.difference(palm.state).head<6>() / dt_s;
+  hand_.alignment = palm;
 }
 
 void Gestures::open() noexcept {
@@ -120,6 +127,7 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& p
   for (int i = 0; i < kPostures; ++i) {
     HandState expected = hand_.alignment.state;
     expected.posture = kFingers[i];
+    expected.T_camera_hand.translate(Eigen::Vector3d(0, -kLower_m[i], 0));
     HandPrior prior = prior_around(expected, person, dt_s, config);
     prior.mean.posture = kFingers[i];
     const auto expect = [&](int at, int count, double sigma) {
@@ -128,8 +136,9 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& p
     expect(0, 3, kTurn_rad);
     expect(3, 3, kMove_m);
     expect(kAbductionAt, 2 * kFingerCount, kFinger_rad);
-    laid_[i] = aligner.align(frame, camera, hand_.appearance, expected, prior,
-                             folded() ? kNear_m : kFar_m);
+    const bool follows = folded() && leader_ == static_cast<Gesture>(i);
+    laid_[i] =
+        aligner.align(frame, camera, hand_.appearance, expected, prior, follows ? kNear_m : kFar_m);
     if (!laid_[i].valid) laid_[i].log_ratio = -std::numeric_limits<double>::infinity();
   }
 }
@@ -159,7 +168,7 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
 }
 
 void Gestures::lead(Gesture posture, double dt_s) noexcept {
-  carry(laid(posture), dt_s);
+  if (posture != gesture_ || ratio(posture) > kCarries) carry(posture, dt_s);
   leads_s_ = posture == leader_ ? leads_s_ + dt_s : 0;
   leader_ = posture;
   holds_ = false;
@@ -186,7 +195,7 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Person
   if (posture != Gesture::open) return lead(posture, dt_s);
   if (folded() && fits(laid(Gesture::open))) {
     opened_ = true;
-    carry(laid(Gesture::open), dt_s);
+    carry(Gesture::open, dt_s);
     return open();
   }
   unclear_s_ += dt_s;

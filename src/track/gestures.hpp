@@ -46,7 +46,7 @@ class Gestures {
   double ratio(Gesture posture) const noexcept { return laid(posture).log_ratio; }
 
   void remember(const Hypothesis& open, double dt_s) noexcept;
-  void carry(const Alignment& laid, double dt_s) noexcept;
+  void carry(Gesture posture, double dt_s) noexcept;
   void open() noexcept;
   void forget() noexcept;
   void lay(const ImageView& frame, const Camera& camera, const Person& person, double dt_s,
