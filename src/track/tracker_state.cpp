@@ -121,10 +121,9 @@ const Hypothesis* HandTracker::Impl::in_view() const noexcept {
   return has_hand() ? &seen.hypotheses.best() : nullptr;
 }
 
-HandTracker::Impl::Followed HandTracker::Impl::followed() const noexcept {
-  const Hypothesis& best = seen.hypotheses.best();
-  const HandState& state = best.alignment.state;
-  const HandFigure figure = make_figure(state.figure, best.appearance.face, best.appearance.layout);
+HandTracker::Impl::Followed HandTracker::Impl::place_of(const Hypothesis& its) const noexcept {
+  const HandState& state = its.alignment.state;
+  const HandFigure figure = make_figure(state.figure, its.appearance.face, its.appearance.layout);
   const PosedFigure posed = pose_fingers(figure, state.posture);
   Followed now;
   const auto shown = [&](const Eigen::Vector3d& p) {

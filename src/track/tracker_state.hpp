@@ -58,7 +58,8 @@ struct HandTracker::Impl {
     std::array<Eigen::Vector2f, kFingerCount> tips_px{};
     float size_px = 0;  ///< from the palm to the farthest tip
   };
-  Followed followed() const noexcept;
+  Followed place_of(const Hypothesis& its) const noexcept;
+  Followed followed() const noexcept { return place_of(seen.hypotheses.best()); }
   /// How the finder reads the place where a hand is followed.
   enum class Reading { same, otherwise, elsewhere };
   Reading compare(const HandCandidate& candidate, const Followed& now) const noexcept;

@@ -18,11 +18,11 @@ void HandTracker::Impl::share_view(Impl* with) noexcept {
 }
 
 bool HandTracker::Impl::is_of_other(const HandCandidate& candidate) const noexcept {
-  if (other == nullptr || !other->has_hand()) return false;
+  if (other == nullptr || other->in_view() == nullptr) return false;
   const auto distance = [&](const Followed& its) {
     return (candidate.palm_px - its.palm_px).norm() / its.size_px;
   };
-  const float from_other = distance(other->followed());
+  const float from_other = distance(place_of(*other->in_view()));
   return from_other < kApart && !(holds_hand() && distance(followed()) < from_other);
 }
 
@@ -47,7 +47,7 @@ bool HandTracker::Impl::follows_hand_of_other() const noexcept {
 
 bool HandTracker::Impl::may_search() const noexcept {
   if (other == nullptr) return true;
-  return other->has_hand() ? seen.time_s - seen.looked_s >= kSearch_s : leads;
+  return other->in_view() != nullptr ? seen.time_s - seen.looked_s >= kSearch_s : leads;
 }
 
 void share_view(HandTracker& first, HandTracker& second) noexcept {

@@ -24,13 +24,16 @@ class HandOverlay {
                        std::shared_ptr<Context> context = headless_context());
 
   /// Draws the object into the frame that `result` was made from (8-bit BGR), seen by `camera`, by
-  /// the tracker of either method. Where the pose is doubtful there is no object.
+  /// the tracker of either method. On a hand that closes it stays where the palm is held; where the
+  /// pose is doubtful there is none.
   void draw(cv::Mat& frame_bgr, const Camera& camera, const auto& tracker,
             const TrackResult& result) {
     const HandModel hand = tracker.hand();
     std::optional<Eigen::Isometry3d> T_camera_hand;
     if (result.state == State::tracking && result.pose && !result.doubtful)
       T_camera_hand = result.pose->T_camera_hand;
+    else if (result.held_pose)
+      T_camera_hand = result.held_pose->T_camera_hand;
     draw(frame_bgr, camera, result.time_s, T_camera_hand, hand, tracker.mask(),
          T_hand_attachment(where_, hand, result));
   }
