@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "handyar/evaluation/accuracy.hpp"
 #include "handyar/io/camera_file.hpp"
 #include "handyar/io/frame_source.hpp"
 #include "handyar/io/hand_file.hpp"
@@ -32,13 +33,10 @@ struct Score {
   double first_tracked_s = 1e9;
 };
 
-/// A frame is wrong when a tip is this share of the hand's span away from where it is.
-constexpr double kWrongShare = 0.15;
-
 /// Compares the tips of one tracked frame with the true ones.
 void compare(const TrackResult& r, const std::array<Eigen::Vector2d, kFingerCount>& truth,
              Score& score) {
-  const double limit_px = kWrongShare * (truth[0] - truth[4]).norm();
+  const double limit_px = evaluation::kWrongOfSpan * (truth[0] - truth[4]).norm();
   bool wrong = false;
   for (int f = 0; f < kFingerCount; ++f) {
     if (!r.tips[f].seen) continue;
@@ -49,8 +47,8 @@ void compare(const TrackResult& r, const std::array<Eigen::Vector2d, kFingerCoun
   score.wrong += wrong;
 }
 
-/// A rendered clip with its own camera and hand.
-Score play_rendered(const std::string& name, const Config& config = {}) {
+/// A rendered clip with its own camera and hand, from a frame on.
+Score play_rendered(const std::string& name, const Config& config = {}, std::int64_t from = 0) {
   const auto truth = nlohmann::json::parse(std::ifstream(data(name + "/truth.json")));
   HandTracker tracker(io::read_camera(data(name + "/camera.yml")),
                       io::read_hand(data(name + "/hand.json")), config);
@@ -58,6 +56,7 @@ Score play_rendered(const std::string& name, const Config& config = {}) {
   Score score;
   io::Frame frame;
   while (source->read(frame)) {
+    if (frame.index < from) continue;
     const auto& t = truth["frames"][static_cast<std::size_t>(frame.index)];
     const TrackResult r = tracker.process(frame.view(), frame.time_s);
     ++score.frames;
@@ -104,6 +103,14 @@ void expect_tracked_well(const Score& s, int frames, int tracked) {
 TEST(Clips, SampleOfAHandInTheAir) { expect_tracked_well(play_rendered("sample"), 200, 180); }
 
 TEST(Clips, CompareBesideMarkers) { expect_tracked_well(play_rendered("compare"), 90, 76); }
+
+TEST(Clips, HandIsLaidRightlyFromWhicheverFrameItIsFirstSeen) {
+  for (int from = 0; from <= 70; from += 10) {
+    const Score s = play_rendered("compare", {}, from);
+    ASSERT_GT(s.rotation_deg.size(), 15u) << from;
+    EXPECT_LT(s.rotation_deg[15], 6) << "half a second after frame " << from;
+  }
+}
 
 TEST(Clips, WallOfAlmostSkinColour) {
   // Annotations by frame: tips, where inside the picture.

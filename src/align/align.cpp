@@ -22,11 +22,15 @@ constexpr double kStep_m = 0.00075;
 // What is visible changes little from step to step: it is looked at anew after so many.
 constexpr std::size_t kChosenFor = 4;
 
+/// How far from the outline the lines of an iteration reach.
+double line_reach_m(std::size_t iteration) {
+  return BoundaryLine::kHalf * kSegments[iteration] * kStep_m;
+}
 /// The last, finest iteration whose lines reach so far: what comes before it is not needed.
 std::size_t first_iteration(double reach_m) {
   std::size_t first = 0;
   for (std::size_t i = 1; i < kSegments.size() && kSegments[i] > 1; ++i)
-    if (BoundaryLine::kHalf * kSegments[i] * kStep_m >= reach_m) first = i;
+    if (line_reach_m(i) >= reach_m) first = i;
   return first;
 }
 // Neighbouring lines see the same light, the same wrong figure: so much of one's say is its own.
@@ -174,11 +178,13 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
 }
 
 Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearance appearance,
-                         const HandState& start, const HandPrior& prior, double reach_m) noexcept {
+                         const HandState& start, const HandPrior& prior, double reach_m,
+                         double left_m) noexcept {
   Alignment a;
   a.state = start;
   const std::size_t first = first_iteration(reach_m);
   for (std::size_t i = first; i < kSegments.size(); ++i) {
+    if (i > first && line_reach_m(i) < left_m) break;
     const bool choose = (i - first) % kChosenFor == 0;
     if (!impl_->step(frame, camera, appearance, prior, i, choose, a)) return a;
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "pose/so3.hpp"
 #include "track/start_pose.hpp"
@@ -11,13 +12,19 @@ namespace handyar {
 namespace {
 
 // A new hand's colours are taken ever nearer to its outline while the figure settles on it: what is
-// left out on both sides, and how far off the outline may still be.
+// left out on both sides, how far off the outline may still be, and how far it may stay.
 struct Settling {
-  double margin_m, reach_m;
+  double margin_m, reach_m, left_m;
 };
-constexpr std::array<Settling, 4> kSettling_m{
-    {{0.006, 0.021}, {0.004, 0.014}, {0.003, 0.009}, {0.002, 0.009}}};
+// Roughly from each start, then finely from those that explain the picture best.
+constexpr std::array<Settling, 2> kRoughly{{{0.006, 0.021, 0.015}, {0.004, 0.014, 0.010}}};
+constexpr std::array<Settling, 2> kFinely{{{0.003, 0.009, 0}, {0.002, 0.009, 0}}};
 constexpr double kForgetAll = 1e-3;
+// Fingertips tell tilt badly, and a figure that has settled in a wrong one stays in it: it begins
+// as the fingertips say and tilted from there, and may be tilted by about kStart_rad.
+constexpr std::array<std::array<double, 2>, 5> kTilts_rad{
+    {{0, 0}, {0.4, 0}, {-0.4, 0}, {0, 0.4}, {0, -0.4}}};
+constexpr double kStart_rad = 0.55;
 // Two planar solutions that end this near to each other are one.
 constexpr double kSame_rad = 0.1;
 // Less likely than the best by so many nats: given up.
@@ -107,10 +114,28 @@ void Hypotheses::resume(const Hypothesis& hypothesis) noexcept {
   items_[0].log_weight = 0;
 }
 
+void Hypotheses::keep_distinct(const Hypothesis& h) noexcept {
+  if (!h.alignment.valid) return;
+  const auto least = [](const Hypothesis& a, const Hypothesis& b) {
+    return a.log_weight < b.log_weight;
+  };
+  Hypothesis* const end = items_.data() + count_;
+  Hypothesis* rival = std::find_if(items_.data(), end, [&](const Hypothesis& other) {
+    const HandVector apart = h.alignment.state.difference(other.alignment.state);
+    return other.appearance.face == h.appearance.face && apart.head<3>().norm() < kSame_rad;
+  });
+  if (rival == end && count_ < kMost) {
+    items_[count_++] = h;
+    return;
+  }
+  if (rival == end) rival = std::min_element(items_.data(), end, least);
+  if (least(*rival, h)) *rival = h;
+}
+
 bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
                        const Person& person, const TrackerConfig& config,
                        Aligner& aligner) noexcept {
-  count_ = 0;
+  clear();
   since_reconsidered_s_ = 0;
   RoughTips tips;
   for (int f = 0; f < kFingerCount; ++f) tips.px[f] = candidate.tips_px[f].cast<double>();
@@ -118,29 +143,41 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   constexpr double kRough = 0.06;
   tips.sigma_px = std::max(1.0, kRough * (tips.px[0] - tips.px[4]).norm());
   aligner.forget();
-  for (const Face face : {Face::palm, Face::back}) {
-    const Appearance appearance{face, candidate.layout};
-    if (config.user.side && side_of(face, candidate.layout) != *config.user.side) continue;
-    HandState start;
-    start.figure = person.mean();
-    start.T_camera_hand =
-        start_pose(tips, make_figure(start.figure, face, candidate.layout), camera);
-    const HandPrior prior = prior_around(start, person, kLongAgo_s, config);
-    Alignment a;
-    a.state = start;
-    a.valid = true;
-    for (const auto [margin_m, reach_m] : kSettling_m) {
-      aligner.learn(frame, camera, appearance, a.state, kForgetAll, margin_m);
-      a = aligner.align(frame, camera, appearance, a.state, prior, reach_m);
-      if (!a.valid) break;
+  const auto settle = [&](Hypothesis& h, const HandPrior& prior, std::span<const Settling> steps) {
+    for (const auto [margin_m, reach_m, left_m] : steps) {
+      if (!h.alignment.valid) return;
+      const HandState& from = h.alignment.state;
+      aligner.learn(frame, camera, h.appearance, from, kForgetAll, margin_m);
+      h.alignment = aligner.align(frame, camera, h.appearance, from, prior, reach_m, left_m);
     }
-    add(appearance, a, kFirstFrame * a.log_posterior);
-    if (!a.valid) continue;
-    HandState other = a.state;
-    other.T_camera_hand = other_planar_solution(a.state.T_camera_hand);
-    const Alignment b = aligner.align(frame, camera, appearance, other, prior, kFar_m);
-    if (b.valid && a.state.difference(b.state).head<3>().norm() > kSame_rad)
-      add(appearance, b, kFirstFrame * b.log_posterior);
+    h.log_weight = kFirstFrame * h.alignment.log_posterior;
+  };
+  std::array<HandPrior, 2> priors;  // of palm and back
+  for (const Face face : {Face::palm, Face::back}) {
+    if (config.user.side && side_of(face, candidate.layout) != *config.user.side) continue;
+    Hypothesis start;
+    start.appearance = {face, candidate.layout};
+    start.alignment.valid = true;
+    HandState& state = start.alignment.state;
+    state.figure = person.mean();
+    const HandFigure figure = make_figure(state.figure, face, candidate.layout);
+    const Eigen::Isometry3d straight = start_pose(tips, figure, camera, {});
+    state.T_camera_hand = straight;
+    HandPrior& prior = priors[static_cast<std::size_t>(face)];
+    prior = prior_around(state, person, kLongAgo_s, config);
+    prior.information.diagonal().head<3>().setConstant(1 / (kStart_rad * kStart_rad));
+    for (const auto& tilt_rad : kTilts_rad) {
+      Hypothesis h = start;
+      h.alignment.state.T_camera_hand = start_pose(tips, figure, camera, tilt_rad);
+      settle(h, prior, kRoughly);
+      keep_distinct(h);
+    }
+  }
+  Hypotheses rough = *this;
+  clear();
+  for (Hypothesis& h : std::span(rough.items_.data(), rough.count_)) {
+    settle(h, priors[static_cast<std::size_t>(h.appearance.face)], kFinely);
+    keep_distinct(h);
   }
   sort_and_prune();
   return count_ > 0;

@@ -33,8 +33,8 @@ class Hypotheses {
   /// A hand that is seen in one way alone.
   void resume(const Hypothesis& hypothesis) noexcept;
 
-  /// Both faces and both planar solutions of a hand that the finder saw. False when none of them
-  /// can be laid on the picture.
+  /// The likeliest ways to see a hand that the finder saw: both faces, tilted to all sides. False
+  /// when none of them can be laid on the picture.
   bool begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
              const Person& person, const TrackerConfig& config, Aligner& aligner) noexcept;
 
@@ -47,6 +47,9 @@ class Hypotheses {
   /// are better known than when they were given up, and hands turn over.
   void reconsider(const ImageView& frame, const Camera& camera, const Person& person,
                   const TrackerConfig& config, Aligner& aligner) noexcept;
+  /// Adds a way to see the hand, in the place of one that is nearly the same or of the least likely
+  /// one where there is no room, unless these are likelier.
+  void keep_distinct(const Hypothesis& hypothesis) noexcept;
   void add(Appearance appearance, const Alignment& alignment, double log_weight) noexcept;
   void sort_and_prune() noexcept;
 

@@ -49,9 +49,12 @@ Eigen::Isometry3d facing(const RoughTips& tips, const HandFigure& figure, const 
 
 }  // namespace
 
-Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure& figure,
-                             const Camera& camera) noexcept {
-  const Eigen::Isometry3d start = facing(tips, figure, camera);
+Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure& figure, const Camera& camera,
+                             const std::array<double, 2>& tilt_rad) noexcept {
+  Eigen::Isometry3d start = facing(tips, figure, camera);
+  const Eigen::Vector3d middle = figure.tips_m.rowwise().mean(), before = start * middle;
+  start.linear() *= so3::exp(Eigen::Vector3d(tilt_rad[0], tilt_rad[1], 0)).toRotationMatrix();
+  start.translation() += before - start * middle;
   Eigen::Isometry3d T = start;
   const Eigen::Vector3d sight = T.translation().normalized();
   // Turning about the line of sight is free, tilting has the prior.

@@ -83,9 +83,11 @@ class Aligner {
   /// Forgets the colours.
   void forget() noexcept;
 
-  /// Steps from coarse to fine from `start` on, whose outline is off by about `reach_m` at most.
+  /// Steps from coarse to fine from `start` on, whose outline is off by about `reach_m` at most,
+  /// and ends where lines would reach less than `left_m`.
   Alignment align(const ImageView& frame, const Camera& camera, Appearance appearance,
-                  const HandState& start, const HandPrior& prior, double reach_m) noexcept;
+                  const HandState& start, const HandPrior& prior, double reach_m,
+                  double left_m = 0) noexcept;
 
   /// Takes colours from both sides of the outline of a state; older ones fade to `keep`. `margin_m`
   /// on both sides of the outline is left out. Where the colours so far tell of a boundary
