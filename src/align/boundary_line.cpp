@@ -33,12 +33,6 @@ BoundaryLine::BoundaryLine(const PixelReader& reader, const HandView& view,
   step_ = (view.to_frame(place.px + kFar * place.normal) - from_) / kFar;
 }
 
-std::optional<Pixel> BoundaryLine::pixel(float r_px) const noexcept {
-  const Eigen::Vector2f p = from_ + r_px * step_;
-  if (!reader_.covers(p.x(), p.y())) return std::nullopt;
-  return reader_.at(static_cast<int>(p.x() + 0.5f), static_cast<int>(p.y() + 0.5f));
-}
-
 int BoundaryLine::read(Segments& segments, std::array<ColorBin, kMostReads>& bins,
                        std::array<std::int8_t, kMostReads>& of) const noexcept {
   const int reads = segment_px_ < 1.5f ? 1 : 2;

@@ -10,6 +10,7 @@
 #include "align/outline_colors.hpp"
 #include "align/silhouette.hpp"
 #include "image/pixel_reader.hpp"
+#include "vectorised.hpp"
 
 namespace handyar {
 
@@ -27,12 +28,16 @@ class BoundaryLine {
   BoundaryLine(const PixelReader& reader, const HandView& view, const OutlinePlace& place,
                float segment_px, float inside_px, float outside_px) noexcept;
 
-  bool inside_frame() const noexcept { return pixel(0).has_value(); }
+  bool inside_frame() const noexcept { return reader_.covers(from_.x(), from_.y()); }
   Eigen::Vector2f frame_px() const noexcept { return from_; }
   Eigen::Vector2f frame_normal() const noexcept { return step_; }
 
   /// The pixel `r_px` (of the view) outside of the outline; empty beyond the frame.
-  std::optional<Pixel> pixel(float r_px) const noexcept;
+  HANDYAR_ALWAYS_INLINE std::optional<Pixel> pixel(float r_px) const noexcept {
+    const float x = from_.x() + r_px * step_.x(), y = from_.y() + r_px * step_.y();
+    if (!reader_.covers(x, y)) return std::nullopt;
+    return reader_.at(static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f));
+  }
 
   /// The boundary by the colours on both sides and, where `edges`, by steps in luma.
   Boundary find(const OutlineColors& colors, int part, bool edges) const noexcept;

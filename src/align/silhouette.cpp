@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "align/topology.hpp"
 #include "pose/so3.hpp"
+#include "vectorised.hpp"
 
 namespace handyar {
 namespace {
@@ -147,23 +149,29 @@ std::size_t Silhouette::sheet_polygon(
   return 3;
 }
 
+HANDYAR_VECTORISED float Silhouette::Capsules::distance_px(float x_px, float y_px,
+                                                           int count) const noexcept {
+  constexpr int kLanes = 8;  // each with a minimum of its own: one alone would be a chain
+  std::array<float, kLanes> least;
+  least.fill(std::numeric_limits<float>::max());
+  for (int i = 0; i < count; i += kLanes)
+    for (int lane = 0, k = i; lane < kLanes; ++lane, ++k) {
+      const float wx = x_px - x[k], wy = y_px - y[k];
+      const float along = wx * dx[k] + wy * dy[k];
+      const float across = std::abs(wx * dy[k] - wy * dx[k]);
+      float t = (along - across * slope[k]) * inverse_length[k];
+      // A tapered capsule's surface belongs to the disc between both ends whose normal points
+      // there.
+      t = std::min(std::max(t, 0.0f), 1.0f);
+      const float rest = along - t * length[k];
+      const float d = std::sqrt(rest * rest + across * across) - (r0[k] + t * dr[k]);
+      least[lane] = std::min(least[lane], d);
+    }
+  return *std::min_element(least.begin(), least.end());
+}
+
 float Silhouette::distance_px(const Eigen::Vector2f& p) const noexcept {
-  const Capsules& c = capsules_;
-  std::array<float, kMaxCapsules> d{};
-  const float px = p.x(), py = p.y();
-  const int padded = (capsule_count_ + 7) & ~7;
-  for (int i = 0; i < padded; ++i) {
-    const float wx = px - c.x[i], wy = py - c.y[i];
-    const float along = wx * c.dx[i] + wy * c.dy[i];
-    const float across = std::abs(wx * c.dy[i] - wy * c.dx[i]);
-    float t = (along - across * c.slope[i]) * c.inverse_length[i];
-    // A tapered capsule's surface belongs to the disc between both ends whose normal points there.
-    t = std::min(std::max(t, 0.0f), 1.0f);
-    const float rest = along - t * c.length[i];
-    d[i] = std::sqrt(rest * rest + across * across) - (c.r0[i] + t * c.dr[i]);
-  }
-  float least = d[0];
-  for (int i = 1; i < padded; ++i) least = std::min(least, d[i]);
+  const float least = capsules_.distance_px(p.x(), p.y(), capsule_count_);
   return least > 0 && in_a_sheet(p) ? -1.0f : least;
 }
 

@@ -74,6 +74,7 @@ class Silhouette {
 
   struct Capsules {
     alignas(32) std::array<float, kMaxCapsules> x, y, dx, dy, length, inverse_length, slope, r0, dr;
+    float distance_px(float x_px, float y_px, int count) const noexcept;
   };
 
   void project(Appearance appearance, const PosedFigure& posed, const HandState& state,
