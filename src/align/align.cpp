@@ -11,6 +11,7 @@
 #include "align/silhouette.hpp"
 #include "image/pixel_reader.hpp"
 #include "pose/so3.hpp"
+#include "vectorised.hpp"
 
 namespace handyar {
 namespace {
@@ -42,6 +43,14 @@ constexpr float kLeastSpacing_px = 3;
 constexpr double kLearnInside_m = 0.0075, kLearnOutside_m = 0.0135;
 // Colours of which less is kept tell nothing.
 constexpr float kForgets = 0.01f;
+
+/// Adds weight * J^T J.
+HANDYAR_VECTORISED void add_square(const double* J, double weight, double* H) noexcept {
+  for (int row = 0; row < kHandFreedoms; ++row) {
+    const double of_row = weight * J[row];
+    for (int col = 0; col < kHandFreedoms; ++col) H[row * kHandFreedoms + col] += of_row * J[col];
+  }
+}
 
 /// Points inside a part: along a finger's axis, or spread over the palm.
 constexpr int kMostInside = 16;
@@ -154,7 +163,7 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
     const Boundary found = line.find(colors, finger, fine);
     const double mu = found.mean_px, sigma = found.sigma_px, z = mu / sigma;
     const double weight = kLineWeight * 2 / (1 + z * z) / (sigma * sigma);
-    H.noalias() += weight * J.transpose() * J;
+    add_square(J.data(), weight, H.data());
     g += weight * mu * J.transpose();
     log_ratio += kLineWeight * found.log_ratio;
     squares += weight * mu * mu;
