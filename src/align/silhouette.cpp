@@ -25,6 +25,27 @@ const Topology& topology() {
   return t;
 }
 
+/// From the nearest of the first `count` capsules, rounded up to whole vectors.
+HANDYAR_VECTORISED float distance_to(const Capsules& c, int count, float x_px,
+                                     float y_px) noexcept {
+  constexpr int kLanes = 8;  // each with a minimum of its own: one alone would be a chain
+  std::array<float, kLanes> least;
+  least.fill(std::numeric_limits<float>::max());
+  for (int i = 0; i < count; i += kLanes)
+    for (int lane = 0, k = i; lane < kLanes; ++lane, ++k) {
+      const float wx = x_px - c.x[k], wy = y_px - c.y[k];
+      const float along = wx * c.dx[k] + wy * c.dy[k];
+      const float across = std::abs(wx * c.dy[k] - wy * c.dx[k]);
+      float t = (along - across * c.slope[k]) * c.inverse_length[k];
+      // A tapered capsule's surface belongs to that disc between both ends whose normal meets it.
+      t = std::min(std::max(t, 0.0f), 1.0f);
+      const float rest = along - t * c.length[k];
+      const float d = std::sqrt(rest * rest + across * across) - (c.r0[k] + t * c.dr[k]);
+      least[lane] = std::min(least[lane], d);
+    }
+  return *std::min_element(least.begin(), least.end());
+}
+
 /// Spheres whose own roundness shows: fingertips, webs, the heel.
 constexpr std::array<std::uint8_t, 10> kRound{3, 7, 11, 15, 19, 20, 21, 22, 23, kHeel};
 
@@ -84,11 +105,10 @@ void Silhouette::add_capsules() noexcept {
   const Topology& t = topology();
   Capsules& c = capsules_;
   capsule_count_ = t.pair_count;
-  for (int i = 0; i < kMaxCapsules; ++i) {
+  for (int i = 0; i < Capsules::kMost; ++i) {
     int a = i < t.pair_count ? t.pairs[i].a : t.pairs[0].a,
         b = i < t.pair_count ? t.pairs[i].b : t.pairs[0].b;
     if (r_[b] > r_[a]) std::swap(a, b);
-    ends_[i] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
     const float dx = x_[b] - x_[a], dy = y_[b] - y_[a], length = std::hypot(dx, dy),
                 dr = r_[b] - r_[a];
     c.x[i] = x_[a];
@@ -149,29 +169,8 @@ std::size_t Silhouette::sheet_polygon(
   return 3;
 }
 
-HANDYAR_VECTORISED float Silhouette::Capsules::distance_px(float x_px, float y_px,
-                                                           int count) const noexcept {
-  constexpr int kLanes = 8;  // each with a minimum of its own: one alone would be a chain
-  std::array<float, kLanes> least;
-  least.fill(std::numeric_limits<float>::max());
-  for (int i = 0; i < count; i += kLanes)
-    for (int lane = 0, k = i; lane < kLanes; ++lane, ++k) {
-      const float wx = x_px - x[k], wy = y_px - y[k];
-      const float along = wx * dx[k] + wy * dy[k];
-      const float across = std::abs(wx * dy[k] - wy * dx[k]);
-      float t = (along - across * slope[k]) * inverse_length[k];
-      // A tapered capsule's surface belongs to the disc between both ends whose normal points
-      // there.
-      t = std::min(std::max(t, 0.0f), 1.0f);
-      const float rest = along - t * length[k];
-      const float d = std::sqrt(rest * rest + across * across) - (r0[k] + t * dr[k]);
-      least[lane] = std::min(least[lane], d);
-    }
-  return *std::min_element(least.begin(), least.end());
-}
-
 float Silhouette::distance_px(const Eigen::Vector2f& p) const noexcept {
-  const float least = capsules_.distance_px(p.x(), p.y(), capsule_count_);
+  const float least = distance_to(capsules_, capsule_count_, p.x(), p.y());
   return least > 0 && in_a_sheet(p) ? -1.0f : least;
 }
 

@@ -27,6 +27,12 @@ struct OutlinePlace {
   Eigen::Vector2f px, normal;  ///< outwards
 };
 
+/// Tapered capsules in a view, each pair of spheres that a hull has once.
+struct Capsules {
+  static constexpr int kMost = 64;  ///< a multiple of a vector's width
+  alignas(32) std::array<float, kMost> x, y, dx, dy, length, inverse_length, slope, r0, dr;
+};
+
 /// The figure projected into a view: discs, with derivatives by the state.
 class Silhouette {
  public:
@@ -69,13 +75,6 @@ class Silhouette {
  private:
   // Two spheres more than the figure: the forearm, which only hides.
   static constexpr int kDiscs = kSphereCount + 2;
-  // Tapered capsules, each pair of spheres that a hull has once; a multiple of a vector's width.
-  static constexpr int kMaxCapsules = 64;
-
-  struct Capsules {
-    alignas(32) std::array<float, kMaxCapsules> x, y, dx, dy, length, inverse_length, slope, r0, dr;
-    float distance_px(float x_px, float y_px, int count) const noexcept;
-  };
 
   void project(Appearance appearance, const PosedFigure& posed, const HandState& state,
                const HandView& view) noexcept;
@@ -97,7 +96,6 @@ class Silhouette {
   static constexpr int kOwnFigureAt = 8, kOwnFreedoms = kOwnFigureAt + kFigureModes;
   std::array<Eigen::Matrix<double, 3, kOwnFreedoms>, kSphereCount> J_;
   Capsules capsules_;
-  std::array<std::array<std::uint8_t, 2>, kMaxCapsules> ends_{};
   int capsule_count_ = 0;
 };
 
