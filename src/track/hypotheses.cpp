@@ -21,10 +21,9 @@ constexpr std::array<Settling, 2> kRoughly{{{0.006, 0.021, 0.015}, {0.004, 0.014
 constexpr std::array<Settling, 2> kFinely{{{0.003, 0.009, 0}, {0.002, 0.009, 0}}};
 constexpr double kForgetAll = 1e-3;
 // Fingertips tell tilt badly, and a figure that has settled in a wrong one stays in it: it begins
-// as the fingertips say and tilted from there, and may be tilted by about kStart_rad.
+// as the fingertips say and tilted from there.
 constexpr std::array<std::array<double, 2>, 5> kTilts_rad{
     {{0, 0}, {0.4, 0}, {-0.4, 0}, {0, 0.4}, {0, -0.4}}};
-constexpr double kStart_rad = 0.55;
 // Two planar solutions that end this near to each other are one.
 constexpr double kSame_rad = 0.1;
 // Less likely than the best by so many nats: given up.
@@ -143,6 +142,12 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   constexpr double kRough = 0.06;
   tips.sigma_px = std::max(1.0, kRough * (tips.px[0] - tips.px[4]).norm());
   aligner.forget();
+  const auto prior_at = [&](const Eigen::Isometry3d& T_camera_hand) {
+    HandState expected;
+    expected.T_camera_hand = T_camera_hand;
+    expected.figure = person.mean();
+    return prior_around(expected, person, kLongAgo_s, config);
+  };
   const auto settle = [&](Hypothesis& h, const HandPrior& prior, std::span<const Settling> steps) {
     for (const auto [margin_m, reach_m, left_m] : steps) {
       if (!h.alignment.valid) return;
@@ -152,23 +157,15 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     }
     h.log_weight = kFirstFrame * h.alignment.log_posterior;
   };
-  std::array<HandPrior, 2> priors;  // of palm and back
   for (const Face face : {Face::palm, Face::back}) {
     if (config.user.side && side_of(face, candidate.layout) != *config.user.side) continue;
-    Hypothesis start;
-    start.appearance = {face, candidate.layout};
-    start.alignment.valid = true;
-    HandState& state = start.alignment.state;
-    state.figure = person.mean();
-    const HandFigure figure = make_figure(state.figure, face, candidate.layout);
-    const Eigen::Isometry3d straight = start_pose(tips, figure, camera, {});
-    state.T_camera_hand = straight;
-    HandPrior& prior = priors[static_cast<std::size_t>(face)];
-    prior = prior_around(state, person, kLongAgo_s, config);
-    prior.information.diagonal().head<3>().setConstant(1 / (kStart_rad * kStart_rad));
+    const HandFigure figure = make_figure(person.mean(), face, candidate.layout);
     for (const auto& tilt_rad : kTilts_rad) {
-      Hypothesis h = start;
-      h.alignment.state.T_camera_hand = start_pose(tips, figure, camera, tilt_rad);
+      const HandPrior prior = prior_at(start_pose(tips, figure, camera, tilt_rad));
+      Hypothesis h;
+      h.appearance = {face, candidate.layout};
+      h.alignment.state = prior.mean;
+      h.alignment.valid = true;
       settle(h, prior, kRoughly);
       keep_distinct(h);
     }
@@ -176,7 +173,14 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   Hypotheses rough = *this;
   clear();
   for (Hypothesis& h : std::span(rough.items_.data(), rough.count_)) {
-    settle(h, priors[static_cast<std::size_t>(h.appearance.face)], kFinely);
+    const HandPrior prior = prior_at(h.alignment.state.T_camera_hand);
+    settle(h, prior, kFinely);
+    keep_distinct(h);
+    if (!h.alignment.valid) continue;
+    HandState& other = h.alignment.state;
+    other.T_camera_hand = other_planar_solution(other.T_camera_hand);
+    h.alignment = aligner.align(frame, camera, h.appearance, other, prior, kFar_m);
+    h.log_weight = kFirstFrame * h.alignment.log_posterior;
     keep_distinct(h);
   }
   sort_and_prune();
