@@ -202,9 +202,10 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, const Pers
     turn_over(h);
     h.log_weight += share * h.alignment.log_posterior;
   }
-  const auto end = std::remove_if(items_.begin(), items_.begin() + count_,
-                                  [](const Hypothesis& h) { return !h.alignment.valid; });
-  count_ = static_cast<int>(end - items_.begin());
+  // Those that have come to the same are one.
+  const Hypotheses followed = *this;
+  count_ = 0;
+  for (const Hypothesis& h : std::span(followed.items_.data(), followed.count_)) keep_distinct(h);
   sort_and_prune();
   since_reconsidered_s_ += dt_s;
   if (since_reconsidered_s_ > kReconsider_s) {
