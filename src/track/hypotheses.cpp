@@ -87,15 +87,6 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   return prior;
 }
 
-void Hypotheses::add(Appearance appearance, const Alignment& alignment,
-                     double log_weight) noexcept {
-  if (!alignment.valid || count_ == kMost) return;
-  items_[count_] = {};
-  items_[count_].appearance = appearance;
-  items_[count_].alignment = alignment;
-  items_[count_++].log_weight = log_weight;
-}
-
 void Hypotheses::sort_and_prune() noexcept {
   // In place: the library's stable sort takes memory.
   const auto likelier = [](const auto& a, const auto& b) { return a.log_weight > b.log_weight; };
@@ -228,12 +219,12 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, const 
   HandState start = now.alignment.state;
   start.posture = {};
   if (other_plane) start.T_camera_hand = other_planar_solution(start.T_camera_hand);
-  const Alignment a = aligner.align(frame, camera, appearance, start,
-                                    prior_around(start, person, kLongAgo_s, config), kFar_m);
-  if (!a.valid ||
-      (!other_face && a.state.difference(now.alignment.state).head<3>().norm() < kSame_rad))
-    return;
-  add(appearance, a, now.log_weight + kReconsiderWeight);
+  Hypothesis alternative;
+  alternative.appearance = appearance;
+  alternative.alignment = aligner.align(frame, camera, appearance, start,
+                                        prior_around(start, person, kLongAgo_s, config), kFar_m);
+  alternative.log_weight = now.log_weight + kReconsiderWeight;
+  keep_distinct(alternative);
 }
 
 }  // namespace handyar

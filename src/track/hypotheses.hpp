@@ -50,7 +50,6 @@ class Hypotheses {
   /// Adds a way to see the hand, in the place of one that is nearly the same or of the least likely
   /// one where there is no room, unless these are likelier.
   void keep_distinct(const Hypothesis& hypothesis) noexcept;
-  void add(Appearance appearance, const Alignment& alignment, double log_weight) noexcept;
   void sort_and_prune() noexcept;
 
   std::array<Hypothesis, kMost> items_;
