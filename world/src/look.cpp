@@ -20,7 +20,6 @@ std::optional<Seen> look_within(double radius_px, const WorldMap& map, const Pic
   const auto inliers = seen.pose.inliers.size();
   const double asked = belief.share * static_cast<double>(seen.matches.expected.size());
   if (inliers < belief.inliers || static_cast<double>(inliers) < asked) return std::nullopt;
-  if (cells_with(seen.pose.inliers, guess.camera) < belief.cells) return std::nullopt;
   return seen;
 }
 
@@ -58,7 +57,7 @@ std::optional<Seen> look(const WorldMap& map, const Picture& picture, const cv::
 
 std::optional<Seen> look_twice(const WorldMap& map, const Picture& picture, const cv::Mat& free,
                                const View& guess, const Belief& belief) {
-  constexpr Belief kSomething{12, 0.1, 3};
+  constexpr Belief kSomething{12, 0.1};
   const auto roughly = look_within(kFar_px, map, picture, free, guess, kSomething);
   if (!roughly) return std::nullopt;
   return look(map, picture, free, {guess.camera, roughly->pose.T_camera_world}, belief);

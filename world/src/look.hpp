@@ -8,13 +8,17 @@
 
 namespace handyar::world {
 
-/// What is asked of a pose: so many points that agree, so great a share of those that should be
-/// seen, all over so many of the picture's 12 cells.
+/// What is asked of a pose: so many points that agree, and so great a share of those that should be
+/// seen.
 struct Belief {
   std::size_t inliers;
   double share;
-  int cells;
 };
+
+/// Where things repeat, as the keys of a keyboard do, more than half of the points may agree on a
+/// pose that is one key off. On tabletops of which the truth is known no wrong pose had more than
+/// 0.62 of them, and no right one less than 0.72.
+inline constexpr double kShareOfRight = 0.67;
 
 /// The map as a picture shows it.
 struct Seen {

@@ -17,7 +17,7 @@ constexpr float kOnlyOne = 0.85f;  // the next best must look that much less ali
 constexpr std::size_t kKeyframes = 3;
 constexpr int kHypotheses = 200;
 constexpr double kReprojection_px = 4;  // see scale_of()
-constexpr Belief kLikely{15, 0.25, 3};
+constexpr Belief kLikely{15, kShareOfRight};
 
 /// Points of the map that a keyframe shows, where corners of a picture look like them.
 std::vector<Observation> alike(const Keyframe& keyframe, const Corners& corners) {

@@ -3,7 +3,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <bitset>
 #include <cmath>
 
 #include "picture.hpp"
@@ -92,17 +91,6 @@ Resection resect(const WorldMap& map, std::span<const Observation> seen, const C
   // told: rotation first, and the translation with it.
   result.covariance = about_origin(H.inverse() * (0.5 * mean), result.T_camera_world.translation());
   return result;
-}
-
-int cells_with(std::span<const Observation> seen, const Camera& camera) {
-  constexpr int kColumns = 4, kRows = 3;
-  std::bitset<kColumns * kRows> cells;
-  for (const Observation& o : seen) {
-    const int column = std::clamp(static_cast<int>(o.px.x() * kColumns / camera.width_px), 0, 3);
-    const int row = std::clamp(static_cast<int>(o.px.y() * kRows / camera.height_px), 0, 2);
-    cells.set(static_cast<std::size_t>(row * kColumns + column));
-  }
-  return static_cast<int>(cells.count());
 }
 
 }  // namespace handyar::world

@@ -24,7 +24,4 @@ struct Resection {
 Resection resect(const WorldMap& map, std::span<const Observation> seen, const Camera& camera,
                  const Eigen::Isometry3d& T_camera_world);
 
-/// How much of the picture the pixels lie in: cells of a 4 x 3 grid.
-int cells_with(std::span<const Observation> seen, const Camera& camera);
-
 }  // namespace handyar::world

@@ -21,7 +21,7 @@ namespace {
 
 // A sure look is enough; else it is looked again from where it led. What was recognised is believed
 // when the next frame shows it too, and then more is asked.
-constexpr Belief kSure{25, 0.5, 4}, kGoOn{12, 0.35, 3}, kConfirm{25, 0.45, 4};
+constexpr Belief kSure{25, kShareOfRight}, kGoOn{12, kShareOfRight}, kConfirm{25, 0.8};
 
 // When the view differs so much from every keyframe, it becomes one.
 constexpr double kNewAngle_rad = 0.14;
