@@ -19,3 +19,10 @@
 #else
 #define HANDYAR_ALWAYS_INLINE inline
 #endif
+
+// Before a loop over the lanes of a few vectors: GCC would unroll it before it could vectorise it.
+#if defined(__GNUC__) && !defined(__clang__)
+#define HANDYAR_LANES _Pragma("GCC unroll 1")
+#else
+#define HANDYAR_LANES
+#endif

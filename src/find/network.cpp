@@ -29,48 +29,48 @@ struct Reader {
   }
 };
 
-// Sums go over inputs in their order, for so many outputs at once: vectors hold different outputs,
-// never parts of one sum.
+// Sums go over inputs in their order, for so many outputs at once as registers hold: vectors hold
+// different outputs, never parts of one sum. Every layer but the last has a multiple of them.
+constexpr int kSums = 16;
+
 template <int kOutputs, int kPixels>
-HANDYAR_ALWAYS_INLINE void mix(const float* in, int inputs, const float* weights, const float* bias,
-                               float* out) {
+HANDYAR_ALWAYS_INLINE void mix(const float* in, int inputs, int outputs, const float* weights,
+                               const float* bias, float* out) {
   float sum[kPixels][kOutputs];
   for (int p = 0; p < kPixels; ++p)
-    for (int o = 0; o < kOutputs; ++o) sum[p][o] = bias[o];
+    HANDYAR_LANES for (int o = 0; o < kOutputs; ++o) sum[p][o] = bias[o];
   for (int i = 0; i < inputs; ++i) {
-    const float* w = weights + i * kOutputs;
+    const float* w = weights + i * outputs;
     for (int p = 0; p < kPixels; ++p) {
       const float x = in[p * inputs + i];
-      for (int o = 0; o < kOutputs; ++o) sum[p][o] += x * w[o];
+      HANDYAR_LANES for (int o = 0; o < kOutputs; ++o) sum[p][o] += x * w[o];
     }
   }
   for (int p = 0; p < kPixels; ++p)
-    for (int o = 0; o < kOutputs; ++o) out[p * kOutputs + o] = sum[p][o];
+    HANDYAR_LANES for (int o = 0; o < kOutputs; ++o) out[p * outputs + o] = sum[p][o];
+}
+
+template <int kOutputs>
+HANDYAR_ALWAYS_INLINE void pointwise_to(const float* in, int pixels, int inputs, int outputs,
+                                        const float* weights, const float* bias, float* out) {
+  for (int o = 0; o < outputs; o += kOutputs) {
+    int p = 0;
+    for (; p + 2 <= pixels; p += 2)
+      mix<kOutputs, 2>(in + p * inputs, inputs, outputs, weights + o, bias + o,
+                       out + p * outputs + o);
+    if (p < pixels)
+      mix<kOutputs, 1>(in + p * inputs, inputs, outputs, weights + o, bias + o,
+                       out + p * outputs + o);
+  }
 }
 
 /// 1 x 1 convolution; `weights` output by output within an input.
-template <int kOutputs>
-HANDYAR_ALWAYS_INLINE void pointwise_to(const float* in, int pixels, int inputs,
-                                        const float* weights, const float* bias, float* out) {
-  int p = 0;
-  for (; p + 2 <= pixels; p += 2)
-    mix<kOutputs, 2>(in + p * inputs, inputs, weights, bias, out + p * kOutputs);
-  for (; p < pixels; ++p)
-    mix<kOutputs, 1>(in + p * inputs, inputs, weights, bias, out + p * kOutputs);
-}
-
 HANDYAR_VECTORISED void pointwise(const float* in, int pixels, int inputs, int outputs,
                                   const float* weights, const float* bias, float* out) {
-  switch (outputs) {
-    case 32:
-      return pointwise_to<32>(in, pixels, inputs, weights, bias, out);
-    case 64:
-      return pointwise_to<64>(in, pixels, inputs, weights, bias, out);
-    case 96:
-      return pointwise_to<96>(in, pixels, inputs, weights, bias, out);
-    default:
-      return pointwise_to<FinderNetwork::kOutputs>(in, pixels, inputs, weights, bias, out);
-  }
+  if (outputs % kSums == 0)
+    pointwise_to<kSums>(in, pixels, inputs, outputs, weights, bias, out);
+  else
+    pointwise_to<FinderNetwork::kOutputs>(in, pixels, inputs, outputs, weights, bias, out);
 }
 
 /// Each channel convolved with its own `side` x `side` weights, then at least 0.
@@ -78,16 +78,18 @@ HANDYAR_VECTORISED void depthwise(const float* in, Picture size, int side, int s
                                   const float* weights, const float* bias, float* out) {
   const int n = size.channels, half = side / 2;
   for (int y = 0; y < size.height; y += stride)
-    for (int x = 0; x < size.width; x += stride, out += n) {
-      for (int c = 0; c < n; ++c) out[c] = bias[c];
-      for (int dy = std::max(-half, -y); dy <= std::min(half, size.height - 1 - y); ++dy)
-        for (int dx = std::max(-half, -x); dx <= std::min(half, size.width - 1 - x); ++dx) {
-          const float* from = in + ((y + dy) * size.width + x + dx) * n;
-          const float* w = weights + ((dy + half) * side + dx + half) * n;
-          for (int c = 0; c < n; ++c) out[c] += from[c] * w[c];
-        }
-      for (int c = 0; c < n; ++c) out[c] = std::max(out[c], 0.0f);
-    }
+    for (int x = 0; x < size.width; x += stride)
+      for (int c = 0; c < n; c += kSums, out += kSums) {
+        float sum[kSums];
+        HANDYAR_LANES for (int k = 0; k < kSums; ++k) sum[k] = bias[c + k];
+        for (int dy = std::max(-half, -y); dy <= std::min(half, size.height - 1 - y); ++dy)
+          for (int dx = std::max(-half, -x); dx <= std::min(half, size.width - 1 - x); ++dx) {
+            const float* from = in + ((y + dy) * size.width + x + dx) * n + c;
+            const float* w = weights + ((dy + half) * side + dx + half) * n + c;
+            HANDYAR_LANES for (int k = 0; k < kSums; ++k) sum[k] += from[k] * w[k];
+          }
+        HANDYAR_LANES for (int k = 0; k < kSums; ++k) out[k] = std::max(sum[k], 0.0f);
+      }
 }
 
 /// The first layer: 3 x 3, stride 2, of the colours about -2 to 2.
@@ -97,15 +99,15 @@ HANDYAR_VECTORISED void stem(const float* in, Picture size, const float* weights
   for (int y = 0; y < size.height; y += 2)
     for (int x = 0; x < size.width; x += 2, out += kOutputs) {
       float sum[kOutputs];
-      for (int o = 0; o < kOutputs; ++o) sum[o] = bias[o];
+      HANDYAR_LANES for (int o = 0; o < kOutputs; ++o) sum[o] = bias[o];
       for (int dy = std::max(-1, -y); dy <= std::min(1, size.height - 1 - y); ++dy)
         for (int dx = std::max(-1, -x); dx <= std::min(1, size.width - 1 - x); ++dx)
           for (int c = 0; c < 3; ++c) {
             const float value = (in[((y + dy) * size.width + x + dx) * 3 + c] - 127.5f) / 64;
             const float* w = weights + (((dy + 1) * 3 + dx + 1) * 3 + c) * kOutputs;
-            for (int o = 0; o < kOutputs; ++o) sum[o] += value * w[o];
+            HANDYAR_LANES for (int o = 0; o < kOutputs; ++o) sum[o] += value * w[o];
           }
-      for (int o = 0; o < kOutputs; ++o) out[o] = std::max(sum[o], 0.0f);
+      HANDYAR_LANES for (int o = 0; o < kOutputs; ++o) out[o] = std::max(sum[o], 0.0f);
     }
 }
 
