@@ -47,6 +47,7 @@ constexpr float kForgets = 0.01f;
 /// Adds weight * J^T J.
 HANDYAR_VECTORISED void add_square(const double* J, double weight, double* H) noexcept {
   for (int row = 0; row < kHandFreedoms; ++row) {
+    if (J[row] == 0) continue;  // of a finger that this place is not on
     const double of_row = weight * J[row];
     for (int col = 0; col < kHandFreedoms; ++col) H[row * kHandFreedoms + col] += of_row * J[col];
   }
@@ -215,7 +216,7 @@ std::optional<double> Aligner::share_of_hand(const ImageView& frame, const Camer
     if (!(p.z() > 0)) continue;
     const Eigen::Vector2f px = camera.project(p).cast<float>();
     if (!reader.covers(px.x(), px.y())) continue;
-    bins[count++] = reader.at(static_cast<int>(px.x() + 0.5f), static_cast<int>(px.y() + 0.5f)).bin;
+    bins[count++] = reader.bin(static_cast<int>(px.x() + 0.5f), static_cast<int>(px.y() + 0.5f));
   }
   if (2 * count < kMostInside) return std::nullopt;
   std::array<float, kMostInside> ratios{};
@@ -249,9 +250,11 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
                 out = std::min(anchor.outside_px,
                                static_cast<float>(silhouette.to_px(kLearnOutside_m)));
     for (float r = margin; r < in; r += step)
-      if (const auto pixel = line.pixel(-r)) impl_->colors.add(finger, pixel->bin, true);
+      if (const auto p = line.pixel(-r))
+        impl_->colors.add(finger, reader.bin(p->x(), p->y()), true);
     for (float r = margin; r < out; r += step)
-      if (const auto pixel = line.pixel(r)) impl_->colors.add(finger, pixel->bin, false);
+      if (const auto p = line.pixel(r))
+        impl_->colors.add(finger, reader.bin(p->x(), p->y()), false);
   }
   impl_->colors.finish();
 }

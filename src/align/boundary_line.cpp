@@ -33,25 +33,18 @@ BoundaryLine::BoundaryLine(const PixelReader& reader, const HandView& view,
   step_ = (view.to_frame(place.px + kFar * place.normal) - from_) / kFar;
 }
 
-int BoundaryLine::read(Segments& segments, std::array<ColorBin, kMostReads>& bins,
-                       std::array<std::int8_t, kMostReads>& of) const noexcept {
+/// Pixels from inside to outside, and how many there are of each segment; returns of all.
+int BoundaryLine::read(Segments& segments, PixelGroup& group) const noexcept {
   const int reads = segment_px_ < 1.5f ? 1 : 2;
   int count = 0;
   for (int j = 0; j < kSegments; ++j) {
-    float luma = 0;
-    int read = 0;
+    const int before = count;
     for (int k = 0; k < reads; ++k) {
       const float r = segment_px_ * (j - kHalf + (k + 0.5f) / reads);
       if (-r > inside_px_ || r > outside_px_) continue;
-      const auto p = pixel(r);
-      if (!p) continue;
-      bins[count] = p->bin;
-      of[count++] = static_cast<std::int8_t>(j);
-      luma += p->luma;
-      ++read;
+      if (const auto p = pixel(r)) reader_.read(p->x(), p->y(), count++, group);
     }
-    segments.reads[j] = read;
-    segments.luma[j] = read > 0 ? luma / read : 0;
+    segments.reads[j] = count - before;
   }
   return count;
 }
@@ -59,12 +52,20 @@ int BoundaryLine::read(Segments& segments, std::array<ColorBin, kMostReads>& bin
 BoundaryLine::Segments BoundaryLine::segments(const OutlineColors& colors,
                                               int part) const noexcept {
   Segments s;
-  std::array<ColorBin, kMostReads> bins{};
-  std::array<std::int8_t, kMostReads> of{};
-  const int count = read(s, bins, of);
-  std::array<float, kMostReads> ratios{};
-  colors.log_ratios(part, {bins.data(), static_cast<std::size_t>(count)}, ratios);
-  for (int i = 0; i < count; ++i) s.ratio[of[i]] += ratios[i] / s.reads[of[i]];
+  PixelGroup group;
+  const auto count = static_cast<std::size_t>(read(s, group));
+  std::array<ColorBin, PixelGroup::kMost> bins;
+  PixelGroup::Numbers luma;
+  reader_.tell(group, bins, luma);
+  std::array<float, PixelGroup::kMost> ratios{};
+  colors.log_ratios(part, {bins.data(), count}, ratios);
+  for (int j = 0, i = 0; j < kSegments; ++j)
+    for (int k = 0; k < s.reads[j]; ++k, ++i) {
+      s.ratio[j] += ratios[i] / s.reads[j];
+      s.luma[j] += luma[i];
+    }
+  for (int j = 0; j < kSegments; ++j)
+    if (s.reads[j] > 0) s.luma[j] /= s.reads[j];
   return s;
 }
 

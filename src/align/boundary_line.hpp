@@ -32,11 +32,11 @@ class BoundaryLine {
   Eigen::Vector2f frame_px() const noexcept { return from_; }
   Eigen::Vector2f frame_normal() const noexcept { return step_; }
 
-  /// The pixel `r_px` (of the view) outside of the outline; empty beyond the frame.
-  HANDYAR_ALWAYS_INLINE std::optional<Pixel> pixel(float r_px) const noexcept {
+  /// Where the pixel `r_px` (of the view) outside of the outline is; empty beyond the frame.
+  HANDYAR_ALWAYS_INLINE std::optional<Eigen::Vector2i> pixel(float r_px) const noexcept {
     const float x = from_.x() + r_px * step_.x(), y = from_.y() + r_px * step_.y();
     if (!reader_.covers(x, y)) return std::nullopt;
-    return reader_.at(static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f));
+    return Eigen::Vector2i(static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f));
   }
 
   /// The boundary by the colours on both sides and, where `edges`, by steps in luma.
@@ -45,7 +45,7 @@ class BoundaryLine {
  private:
   static constexpr int kSegments = 2 * kHalf;
   static constexpr int kPlaces = kSegments - 1;  ///< where the boundary may lie: between segments
-  static constexpr int kMostReads = 2 * kSegments;  ///< pixels
+  static_assert(2 * kSegments <= PixelGroup::kMost);
 
   /// Mean log ratio of hand against background, and luma, from inside to outside.
   struct Segments {
@@ -53,8 +53,7 @@ class BoundaryLine {
     std::array<int, kSegments> reads{};  ///< 0: not seen, ratio 0
   };
 
-  int read(Segments& segments, std::array<ColorBin, kMostReads>& bins,
-           std::array<std::int8_t, kMostReads>& of) const noexcept;
+  int read(Segments& segments, PixelGroup& group) const noexcept;
   Segments segments(const OutlineColors& colors, int part) const noexcept;
 
   const PixelReader& reader_;

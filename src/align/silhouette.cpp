@@ -38,7 +38,8 @@ HANDYAR_VECTORISED float distance_to(const Capsules& c, int count, float x_px,
       const float across = std::abs(wx * c.dy[k] - wy * c.dx[k]);
       float t = (along - across * c.slope[k]) * c.inverse_length[k];
       // A tapered capsule's surface belongs to that disc between both ends whose normal meets it.
-      t = std::min(std::max(t, 0.0f), 1.0f);
+      // Bounds come first: so WebAssembly has one instruction for it.
+      t = std::min(1.0f, std::max(0.0f, t));
       const float rest = along - t * c.length[k];
       const float d = std::sqrt(rest * rest + across * across) - (c.r0[k] + t * c.dr[k]);
       least[lane] = std::min(least[lane], d);

@@ -5,16 +5,19 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 
 #include "handyar/image_view.hpp"
 #include "image/color_bin.hpp"
+#include "vectorised.hpp"
 
 namespace handyar {
 
-/// A pixel's colour bin and its luma, 0..255.
-struct Pixel {
-  ColorBin bin = 0;
-  int luma = 0;
+/// Pixels by their three numbers as a frame has them: red, green, blue, or luma and both chromas.
+struct PixelGroup {
+  static constexpr int kMost = 32;
+  using Numbers = std::array<std::uint16_t, kMost>;
+  Numbers first{}, second{}, third{};
 };
 
 /// Single pixels of a checked frame, whatever its format.
@@ -49,37 +52,55 @@ class PixelReader {
 
   /// Red, green, blue, 0 to 255.
   std::array<int, 3> rgb(int x, int y) const noexcept {
+    const auto [first, second, third] = numbers(x, y);
+    if (bytes_ != 0) return {first, second, third};
+    const int luma = 298 * (first - 16), cb = second - 128, cr = third - 128;
+    const auto byte = [](int value256) { return std::clamp(value256 >> 8, 0, 255); };
+    return {byte(luma + 409 * cr), byte(luma - 100 * cb - 208 * cr), byte(luma + 516 * cb)};
+  }
+
+  ColorBin bin(int x, int y) const noexcept {
+    const auto [first, second, third] = numbers(x, y);
+    return bytes_ != 0 ? bin_of_rgb(first, second, third) : bin_of_ycbcr(first, second, third);
+  }
+
+  /// Puts a pixel at place `i` of a group.
+  HANDYAR_ALWAYS_INLINE void read(int x, int y, int i, PixelGroup& group) const noexcept {
+    std::tie(group.first[i], group.second[i], group.third[i]) = numbers(x, y);
+  }
+
+  /// Colour bins and luma (0 to 255) of all of a group, in vectors.
+  void tell(const PixelGroup& group, std::array<ColorBin, PixelGroup::kMost>& bins,
+            PixelGroup::Numbers& luma) const noexcept {
+    const auto& [first, second, third] = group;
+    if (bytes_ == 0) {
+      for (int i = 0; i < PixelGroup::kMost; ++i)
+        bins[i] = bin_of_ycbcr(first[i], second[i], third[i]);
+      luma = first;
+      return;
+    }
+    for (int i = 0; i < PixelGroup::kMost; ++i) {
+      bins[i] = bin_of_rgb(first[i], second[i], third[i]);
+      luma[i] = static_cast<std::uint16_t>((77 * first[i] + 150 * second[i] + 29 * third[i]) >> 8);
+    }
+  }
+
+ private:
+  HANDYAR_ALWAYS_INLINE std::tuple<std::uint8_t, std::uint8_t, std::uint8_t> numbers(
+      int x, int y) const noexcept {
     const std::uint8_t* row = frame_.data + y * frame_.stride_bytes;
     if (bytes_ != 0) {
       const std::uint8_t* p = row + x * bytes_;
       return {p[red_], p[1], p[2 - red_]};
     }
-    const bool planes = frame_.format == PixelFormat::nv12;
-    const std::uint8_t* pair = planes
-                                   ? frame_.chroma + (y / 2) * frame_.chroma_stride_bytes + (x & ~1)
-                                   : row + (x & ~1) * 2;
-    const int luma = 298 * ((planes ? row[x] : row[x * 2]) - 16);
-    const int cb = pair[planes ? 0 : 1] - 128, cr = pair[planes ? 1 : 3] - 128;
-    const auto byte = [](int value256) { return std::clamp(value256 >> 8, 0, 255); };
-    return {byte(luma + 409 * cr), byte(luma - 100 * cb - 208 * cr), byte(luma + 516 * cb)};
-  }
-
-  Pixel at(int x, int y) const noexcept {
-    const std::uint8_t* row = frame_.data + y * frame_.stride_bytes;
-    if (bytes_ != 0) {
-      const std::uint8_t* p = row + x * bytes_;
-      const int r = p[red_], g = p[1], b = p[2 - red_];
-      return {bin_of_rgb(r, g, b), (77 * r + 150 * g + 29 * b) >> 8};
-    }
     if (frame_.format == PixelFormat::nv12) {
       const std::uint8_t* pair = frame_.chroma + (y / 2) * frame_.chroma_stride_bytes + (x & ~1);
-      return {bin_of_ycbcr(row[x], pair[0], pair[1]), row[x]};
+      return {row[x], pair[0], pair[1]};
     }
     const std::uint8_t* pair = row + (x & ~1) * 2;
-    return {bin_of_ycbcr(row[x * 2], pair[1], pair[3]), row[x * 2]};
+    return {row[x * 2], pair[1], pair[3]};
   }
 
- private:
   const ImageView& frame_;
   float right_, bottom_;
   int bytes_ = 0, red_ = 0;

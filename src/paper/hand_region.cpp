@@ -36,7 +36,7 @@ void HandRegion::classify(const ImageView& frame, const SkinModel& skin) noexcep
   for (int v = 0; v < mask_.height; ++v)
     for (int u = 0; u < mask_.width; ++u) {
       const int i = mask_.at_index(u, v);
-      bins_[i] = reader.at(u * step_, v * step_).bin;
+      bins_[i] = reader.bin(u * step_, v * step_);
       ratios_[i] = skin.log_ratio(bins_[i]);
     }
   // A pixel is skin when it and its neighbours are, taken together: single pixels are noisy.
