@@ -17,7 +17,11 @@ constexpr double kPixelSigma_px = 0.7;
 constexpr double kHuber = 2;  // standard deviations, beyond which an error counts linearly
 constexpr double kNear_m = 0.02;
 
+// The hand tells how the plane under it is tilted with this standard deviation.
+constexpr double kTiltSigma_rad = 0.06;
+
 using Matrix63d = Eigen::Matrix<double, 6, 3>;
+using Matrix23d = Eigen::Matrix<double, 2, 3>;
 
 /// What a robust error costs, and its weight in the normal equations.
 struct Robust {
@@ -46,6 +50,7 @@ struct Point {
   std::vector<Ray> rays;
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  Matrix23d W_tilt = Matrix23d::Zero();
 };
 
 class Problem {
@@ -73,16 +78,16 @@ class Problem {
     std::erase_if(points_, [&](const Point& p) {
       return p.rays.size() < 2 && map_.points[static_cast<std::size_t>(p.index)].plane_sigma_m == 0;
     });
+    for (int iteration = 0; iteration < kIterations; ++iteration) fit_tilt();
   }
 
   bool empty() const { return points_.empty(); }
 
   double cost() const {
-    double sum = 0;
+    double sum = tilt_.squaredNorm() / (kTiltSigma_rad * kTiltSigma_rad);
     for (const Point& p : points_) {
       const MapPoint& at = map_.points[static_cast<std::size_t>(p.index)];
-      if (at.plane_sigma_m > 0)
-        sum += OffPlane((at.p_world_m.z() - plane_height_m_) / at.plane_sigma_m).cost;
+      if (at.plane_sigma_m > 0) sum += OffPlane(off_plane_m(at) / at.plane_sigma_m).cost;
       for (const Ray& ray : p.rays) {
         const Keyframe& keyframe = map_.keyframes[static_cast<std::size_t>(ray.keyframe)];
         const Eigen::Vector3d p_camera = keyframe.T_camera_world * at.p_world_m;
@@ -95,18 +100,23 @@ class Problem {
 
   void linearise() {
     const auto cameras = static_cast<Eigen::Index>(keyframes_.size());
-    H_.setZero(6 * cameras, 6 * cameras);
-    b_.setZero(6 * cameras);
+    H_.setZero(6 * cameras + 2, 6 * cameras + 2);
+    b_.setZero(6 * cameras + 2);
+    H_.bottomRightCorner<2, 2>().diagonal().setConstant(1 / (kTiltSigma_rad * kTiltSigma_rad));
+    b_.tail<2>() = -tilt_ / (kTiltSigma_rad * kTiltSigma_rad);
     for (Point& p : points_) {
       const MapPoint& at = map_.points[static_cast<std::size_t>(p.index)];
       p.H.setZero();
       p.b.setZero();
       if (at.plane_sigma_m > 0) {
-        const double information = 1 / (at.plane_sigma_m * at.plane_sigma_m);
-        const double off_m = at.p_world_m.z() - plane_height_m_;
-        const double weight = OffPlane(off_m / at.plane_sigma_m).weight * information;
-        p.H(2, 2) += weight;
-        p.b.z() -= weight * off_m;
+        const double off_m = off_plane_m(at), weight = weight_on_plane(at);
+        const Eigen::RowVector3d J_point(-tilt_.x(), -tilt_.y(), 1);
+        const Eigen::RowVector2d J_tilt = -at.p_world_m.head<2>();
+        p.H += weight * J_point.transpose() * J_point;
+        p.b -= weight * off_m * J_point.transpose();
+        p.W_tilt = weight * J_tilt.transpose() * J_point;
+        H_.bottomRightCorner<2, 2>() += weight * J_tilt.transpose() * J_tilt;
+        b_.tail<2>() -= weight * off_m * J_tilt.transpose();
       }
       for (Ray& ray : p.rays) add(ray, at, p);
     }
@@ -130,17 +140,20 @@ class Problem {
         s.segment<6>(6 * a.camera) -= Y * p.b;
         for (const Ray& c : p.rays)
           if (c.camera >= 0) S.block<6, 6>(6 * a.camera, 6 * c.camera) -= Y * c.W.transpose();
+        const Eigen::Matrix<double, 6, 2> with_tilt = Y * p.W_tilt.transpose();
+        S.block<6, 2>(6 * a.camera, S.cols() - 2) -= with_tilt;
+        S.block<2, 6>(S.rows() - 2, 6 * a.camera) -= with_tilt.transpose();
       }
+      const Matrix23d Y_tilt = p.W_tilt * inverses[i];
+      s.tail<2>() -= Y_tilt * p.b;
+      S.bottomRightCorner<2, 2>() -= Y_tilt * p.W_tilt.transpose();
     }
-    Eigen::VectorXd motions = Eigen::VectorXd::Zero(s.size());
-    if (s.size() > 0) {
-      const Eigen::LDLT<Eigen::MatrixXd> solver(S);
-      motions = solver.solve(s);
-      if (solver.info() != Eigen::Success) return false;
-    }
-    if (!motions.allFinite()) return false;
+    const Eigen::LDLT<Eigen::MatrixXd> solver(S);
+    const Eigen::VectorXd motions = solver.solve(s);
+    if (solver.info() != Eigen::Success || !motions.allFinite()) return false;
+    tilt_ += motions.tail<2>();
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      Eigen::Vector3d rest = points_[i].b;
+      Eigen::Vector3d rest = points_[i].b - points_[i].W_tilt.transpose() * motions.tail<2>();
       for (const Ray& ray : points_[i].rays)
         if (ray.camera >= 0) rest -= ray.W.transpose() * motions.segment<6>(6 * ray.camera);
       map_.points[static_cast<std::size_t>(points_[i].index)].p_world_m += inverses[i] * rest;
@@ -156,9 +169,10 @@ class Problem {
   struct Saved {
     std::vector<Eigen::Isometry3d> cameras;
     std::vector<Eigen::Vector3d> points;
+    Eigen::Vector2d tilt;
   };
   Saved save() const {
-    Saved saved;
+    Saved saved{{}, {}, tilt_};
     for (const int k : keyframes_)
       saved.cameras.push_back(map_.keyframes[static_cast<std::size_t>(k)].T_camera_world);
     for (const Point& p : points_)
@@ -166,6 +180,7 @@ class Problem {
     return saved;
   }
   void restore(const Saved& saved) {
+    tilt_ = saved.tilt;
     for (std::size_t k = 0; k < keyframes_.size(); ++k)
       map_.keyframes[static_cast<std::size_t>(keyframes_[k])].T_camera_world = saved.cameras[k];
     for (std::size_t i = 0; i < points_.size(); ++i)
@@ -173,6 +188,28 @@ class Problem {
   }
 
  private:
+  double off_plane_m(const MapPoint& at) const {
+    return at.p_world_m.z() - plane_height_m_ - tilt_.dot(at.p_world_m.head<2>());
+  }
+  double weight_on_plane(const MapPoint& at) const {
+    return OffPlane(off_plane_m(at) / at.plane_sigma_m).weight /
+           (at.plane_sigma_m * at.plane_sigma_m);
+  }
+
+  /// A step to the tilt that the points show as they are.
+  void fit_tilt() {
+    Eigen::Matrix2d H = Eigen::Matrix2d::Identity() / (kTiltSigma_rad * kTiltSigma_rad);
+    Eigen::Vector2d b = -tilt_ / (kTiltSigma_rad * kTiltSigma_rad);
+    for (const Point& p : points_) {
+      const MapPoint& at = map_.points[static_cast<std::size_t>(p.index)];
+      if (at.plane_sigma_m == 0) continue;
+      const Eigen::Vector2d along_m = at.p_world_m.head<2>();
+      H += weight_on_plane(at) * along_m * along_m.transpose();
+      b += weight_on_plane(at) * off_plane_m(at) * along_m;
+    }
+    tilt_ += H.ldlt().solve(b);
+  }
+
   void add(Ray& ray, const MapPoint& at, Point& p) {
     const Keyframe& keyframe = map_.keyframes[static_cast<std::size_t>(ray.keyframe)];
     const Eigen::Vector3d p_camera = keyframe.T_camera_world * at.p_world_m;
@@ -191,8 +228,9 @@ class Problem {
   }
 
   WorldMap& map_;
-  double plane_height_m_;       // of what the hand lay on when it set the frame
-  std::vector<int> keyframes_;  // by number of the free camera
+  double plane_height_m_;  // of what the hand lay on, where it lay when it set the frame
+  Eigen::Vector2d tilt_ = Eigen::Vector2d::Zero();  // how that plane rises along x and y
+  std::vector<int> keyframes_;                      // by number of the free camera
   std::vector<Point> points_;
   Eigen::MatrixXd H_;
   Eigen::VectorXd b_;

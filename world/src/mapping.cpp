@@ -17,9 +17,7 @@ namespace handyar::world {
 namespace {
 
 constexpr std::size_t kFewestPoints = 20;
-// How far a point of the plane under the hand may be off: the hand's own height is uncertain, and
-// its tilt tells the more the farther off the point is.
-constexpr double kHeightSigma_m = 0.004, kTiltSigma_rad = 0.06;
+constexpr double kHeightSigma_m = 0.004;  // of points that lie on the plane under the hand
 
 constexpr std::size_t kNeighbours = 4;  // keyframes that a new one is compared with
 constexpr std::size_t kAdjusted = 6;    // keyframes that are adjusted together
@@ -253,7 +251,7 @@ std::optional<WorldMap> first_map(const cv::Mat& grey, const cv::Mat& free, cons
     const auto p = on_ground(px, {camera, keyframe.T_camera_world}, map.ground);
     if (taken || !p) continue;
     keyframe.observations.push_back({static_cast<int>(map.points.size()), px});
-    map.points.push_back({*p, kHeightSigma_m + kTiltSigma_rad * p->norm()});
+    map.points.push_back({*p, kHeightSigma_m});
   }
   if (map.points.size() < kFewestPoints) return std::nullopt;
   tell_corner_points(keyframe);

@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+
+#include "handyar/opencv/types.hpp"
+#include "rigid.hpp"
 
 namespace handyar::world {
 namespace {
@@ -43,7 +47,26 @@ Picture make_picture(const cv::Mat& grey) {
   Picture picture;
   picture.grey = grey;
   cv::buildOpticalFlowPyramid(grey, picture.pyramid, kFlowWindow_px, kFlowLevels);
+  cv::resize(grey, picture.small, grey.size() / kSmall, 0, 0, cv::INTER_AREA);
+  picture.small.convertTo(picture.small, CV_32F);
   return picture;
+}
+
+Eigen::Isometry3d turned_to_fit(const Picture& last, const Eigen::Isometry3d& T_last_world,
+                                const Picture& next, const Eigen::Isometry3d& guess,
+                                const Camera& camera) {
+  Eigen::Matrix3d K;  // of the small picture
+  K << camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, kSmall;
+  const Eigen::Matrix3d H = K * guess.linear() * T_last_world.linear().transpose() * K.inverse();
+  cv::Mat H_cv, expected, window;
+  cv::eigen2cv(H, H_cv);
+  cv::warpPerspective(last.small, expected, H_cv, last.small.size(), cv::INTER_LINEAR,
+                      cv::BORDER_REPLICATE);
+  cv::createHanningWindow(window, expected.size(), CV_32F);
+  const cv::Point2d shift = kSmall * cv::phaseCorrelate(expected, next.small, window);
+  Motion turn = Motion::Zero();
+  turn.head<2>() << -shift.y / camera.fy_px, shift.x / camera.fx_px;
+  return moved(turn, guess);
 }
 
 Corners find_corners(const cv::Mat& grey, const cv::Mat& free) {

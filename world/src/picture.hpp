@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -22,9 +23,17 @@ inline double scale_of(const Camera& camera) {
 struct Picture {
   cv::Mat grey;  ///< 8-bit
   std::vector<cv::Mat> pyramid;
+  cv::Mat small;  ///< float, one pixel for a square of kSmall of them
 };
+inline constexpr int kSmall = 8;
 
 Picture make_picture(const cv::Mat& grey);
+
+/// A camera's pose `guess` at the next picture of a video, turned so that the last picture as a
+/// whole lies on the next one: where things repeat, patch by patch may lead astray.
+Eigen::Isometry3d turned_to_fit(const Picture& last, const Eigen::Isometry3d& T_last_world,
+                                const Picture& next, const Eigen::Isometry3d& guess,
+                                const Camera& camera);
 
 /// Corners with descriptors, spread over the free part of the picture (255 in `free`; empty: all of
 /// it).

@@ -145,8 +145,8 @@ void WorldTracker::Impl::adopt(std::shared_ptr<const WorldMap> next) {
   }
 }
 
-// The camera goes on as it went; the flow from the last frame tells it better, and the keyframe
-// best.
+// The camera goes on as it went; the last picture as a whole tells its turn better, the flow of its
+// points better again, and the keyframe best.
 std::optional<Seen> WorldTracker::Impl::go_on(double time_s) const {
   Eigen::Isometry3d guess = last_->T_camera_world;
   if (before_last_) {
@@ -159,6 +159,7 @@ std::optional<Seen> WorldTracker::Impl::go_on(double time_s) const {
     guess.translation() += share * (step * last_->T_camera_world).translation() -
                            share * last_->T_camera_world.translation();
   }
+  guess = turned_to_fit(last_picture_, last_->T_camera_world, picture_, guess, camera);
   std::vector<Observation> followed =
       follow(*map, last_picture_, last_seen_, picture_, {camera, guess});
   std::erase_if(followed, [&](const Observation& o) { return !is_free(free_, o.px); });
