@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Bytes shipped and milliseconds a picture in Chromium, beside MediaPipe's hand landmarker on the
-// CPU, on the shipped clip, and how long the built page (scripts/web) takes to show a tracked hand:
+// CPU, in turns on the shipped clip, and how long the built page (scripts/web) takes to show a
+// tracked hand:
 //   npm install && npm start
 import { execFileSync } from 'node:child_process';
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
@@ -15,7 +16,7 @@ import { serve } from '../../web/serve.mjs';
 import { cameraClip, note, poses, skip, withPage } from '../../web/test/browser.mjs';
 import { handLandmarkerTask } from './mediapipe_task.mjs';
 
-const PICTURES = 200, WARM_UP = 20;
+const PICTURES = 200, WARM_UP = 20, ROUNDS = 4;
 const here = fileURLToPath(new URL('./', import.meta.url));
 const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
 
@@ -50,12 +51,14 @@ try {
   page.on('pageerror', (error) => console.error(error.message));
   await page.goto(`http://localhost:${server.address().port}/page.html`);
   await page.waitForFunction(() => window.measure);
-  const { seen, ms } = await page.evaluate((count) => window.measure(count), PICTURES);
-  console.log(`\nms a picture of 640x480, ${PICTURES} pictures    median   least   hand seen`);
+  const rounds = [];
+  for (let i = 0; i < ROUNDS; ++i) rounds.push(await page.evaluate((count) => window.measure(count), PICTURES));
+  console.log(`\nms a picture of 640x480, ${PICTURES} pictures    least   medians of ${ROUNDS} rounds       hand seen`);
   for (const name of ['handyar', 'mediapipe']) {
-    const warm = ms[name].slice(WARM_UP);
-    console.log(`${name.padEnd(38)} ${median(warm).toFixed(2).padStart(7)} ${Math.min(...warm).toFixed(2).padStart(7)}` +
-      `   ${seen[name]}`);
+    const warm = rounds.map(({ ms }) => ms[name].slice(WARM_UP));
+    const medians = warm.map(median).sort((a, b) => a - b).map((ms) => ms.toFixed(1).padStart(6)).join(' ');
+    console.log(`${name.padEnd(38)} ${Math.min(...warm.flat()).toFixed(1).padStart(6)}   ${medians}` +
+      `   ${Math.min(...rounds.map(({ seen }) => seen[name]))}`);
   }
 } finally {
   await browser.close();
