@@ -190,6 +190,7 @@ TEST_F(CliTest, HelpVersionAndCamerasSucceed) {
   const std::string help = run("track --help").out;
   for (const char* line : {"--model-mm 1 to 10000", "--processing full|half (full)"})
     EXPECT_NE(help.find(line), std::string::npos) << help;
+  EXPECT_EQ(help.find("FLOAT"), std::string::npos) << "no word of people's";
   const Outcome far = run("track " + kVideo + " --model-mm 0");
   EXPECT_EQ(far.code, 2);
   EXPECT_NE(far.err.find("0 is not a number from 1 to 10000"), std::string::npos) << far.err;

@@ -29,8 +29,34 @@ double median(std::vector<double> x) {
 /// What the whole of a clip gave.
 struct Score {
   int frames = 0, tracked = 0, wrong = 0;
+  int changes = 0;  ///< of state, once tracked
+  int unsound =
+      0;  ///< shown as sound, though the pose is off by 25 degrees or a fifth of its distance
+  int jumps = 0;  ///< by a fifth of the distance between two frames shown as sound
   std::vector<double> tips_px, rotation_deg, translation_mm;
   double first_tracked_s = 1e9;
+};
+
+/// Follows what a person sees from frame to frame.
+class Watch {
+ public:
+  explicit Watch(Score& score) : score_(score) {}
+
+  void see(const TrackResult& r) {
+    score_.changes += tracked_before_ && r.state != state_;
+    state_ = r.state;
+    tracked_before_ = tracked_before_ || r.state == State::tracking;
+    const double before_m = distance_m_;
+    distance_m_ = r.pose && !r.doubtful ? r.pose->T_camera_hand.translation().norm() : 0;
+    if (before_m > 0 && distance_m_ > 0)
+      score_.jumps += std::abs(distance_m_ - before_m) > 0.2 * before_m;
+  }
+
+ private:
+  Score& score_;
+  State state_ = State::searching;
+  bool tracked_before_ = false;
+  double distance_m_ = 0;  ///< of the last frame's pose; 0 when none was shown as sound
 };
 
 /// Compares the tips of one tracked frame with the true ones.
@@ -54,11 +80,13 @@ Score play_rendered(const std::string& name, const Config& config = {}, std::int
                       io::read_hand(data(name + "/hand.json")), config);
   const auto source = io::open_input(data(name + "/video.mp4"));
   Score score;
+  Watch watch(score);
   io::Frame frame;
   while (source->read(frame)) {
     if (frame.index < from) continue;
     const auto& t = truth["frames"][static_cast<std::size_t>(frame.index)];
     const TrackResult r = tracker.process(frame.view(), frame.time_s);
+    watch.see(r);
     ++score.frames;
     if (r.state != State::tracking) continue;
     ++score.tracked;
@@ -76,6 +104,8 @@ Score play_rendered(const std::string& name, const Config& config = {}, std::int
     const Eigen::Isometry3d& pose = r.pose->T_camera_hand;
     score.rotation_deg.push_back(test::rotation_error_rad(T, pose) / test::deg(1));
     score.translation_mm.push_back(1000 * test::translation_error_m(T, pose));
+    score.unsound += !r.doubtful && (score.rotation_deg.back() > 25 ||
+                                     score.translation_mm.back() > 200 * T.translation().norm());
   }
   return score;
 }
@@ -95,6 +125,9 @@ void expect_tracked_well(const Score& s, int frames, int tracked) {
   EXPECT_LT(s.first_tracked_s, 0.5);
   EXPECT_GE(s.tracked, tracked);
   EXPECT_EQ(s.wrong, 0);
+  EXPECT_EQ(s.unsound, 0);
+  EXPECT_EQ(s.jumps, 0);
+  EXPECT_EQ(s.changes, 0) << "of state, while the hand stays open and in view";
   EXPECT_LT(median(s.tips_px), 2);
   EXPECT_LT(median(s.rotation_deg), 3);
   EXPECT_LT(median(s.translation_mm), 5);
@@ -133,11 +166,12 @@ TEST(Clips, WallOfAlmostSkinColour) {
   HandTracker tracker(Camera::from_field_of_view(source->info().width_px, source->info().height_px),
                       average_adult_hand());
   Score annotated, all;
+  Watch watch(all);
   io::Frame frame;
   while (source->read(frame)) {
     const TrackResult r = tracker.process(frame.view(), frame.time_s);
+    watch.see(r);
     ++all.frames;
-    all.tracked += r.state == State::tracking;
     const auto found = annotations.find(frame.index);
     if (found == annotations.end()) continue;
     ++annotated.frames;
@@ -150,6 +184,8 @@ TEST(Clips, WallOfAlmostSkinColour) {
   EXPECT_EQ(annotated.frames, 8);
   EXPECT_GE(annotated.tracked, 5);
   EXPECT_EQ(annotated.wrong, 0);
+  EXPECT_EQ(all.jumps, 0);
+  EXPECT_LE(100 * all.changes, all.frames) << "changes of state";
   EXPECT_LT(median(annotated.tips_px), 8);  // marks by hand are off by some pixels themselves
 }
 

@@ -121,6 +121,22 @@ TEST(Tracker, AHandTurnedOverWhileAwayIsFoundWithTheOtherLayout) {
   EXPECT_LT(rotation_error_rad(film), deg(3));
 }
 
+TEST(Tracker, APoseThatIsReadAnewIsDoubtfulAtFirst) {
+  Film film;
+  ASSERT_LT(film.until(State::tracking, 1), 1);
+  for (int i = 0; i < 15; ++i) film.next();
+  EXPECT_FALSE(film.result.doubtful);
+  film.hand.appearance.layout = Layout::thumb_left;  // at once: what was believed was wrong
+  int doubtful = 0, sound = 0;
+  for (int i = 0; i < 30; ++i) {
+    film.next();
+    if (!film.result.pose || film.result.layout != Layout::thumb_left) continue;
+    EXPECT_TRUE(film.result.doubtful || doubtful > 0) << "frame " << i;
+    ++(film.result.doubtful ? doubtful : sound);
+  }
+  EXPECT_GT(sound, 10);
+}
+
 TEST(Tracker, AFingertipHiddenForAWhileKeepsThePose) {
   for (const int finger : {0, 2, 4}) {
     Film film;
