@@ -71,7 +71,7 @@ int main(void) {
   EXPECT_OFFSET(handyar_finger, flexion_rad, 16);
   EXPECT_OFFSET(handyar_finger, flexion_sigma_rad, 24);
 
-  EXPECT_SIZE(handyar_result, 1392);
+  EXPECT_SIZE(handyar_result, 1880); /* at first 1392 */
   EXPECT_OFFSET(handyar_result, state, 4);
   EXPECT_OFFSET(handyar_result, layout, 8);
   EXPECT_OFFSET(handyar_result, face, 12);
@@ -88,6 +88,10 @@ int main(void) {
   EXPECT_OFFSET(handyar_result, tips, 1016);
   EXPECT_OFFSET(handyar_result, webs, 1136);
   EXPECT_OFFSET(handyar_result, fingers, 1232);
+  EXPECT_OFFSET(handyar_result, gesture, 1392);
+  EXPECT_OFFSET(handyar_result, gesture_event, 1396);
+  EXPECT_OFFSET(handyar_result, has_held_pose, 1400);
+  EXPECT_OFFSET(handyar_result, held_pose, 1408);
 
   EXPECT_SIZE(handyar_mask, 24 + 2 * pointer);
   EXPECT_OFFSET(handyar_mask, width, 4);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -140,6 +141,49 @@ TEST(CApi, SaysWhatTheCppTrackerSays) {
   EXPECT_EQ(ahead.time_s, later_s);
   EXPECT_EQ(ahead.T_camera_hand[0][3],
             both.film.tracker.predict(later_s)->T_camera_hand.translation().x());
+}
+
+TEST(CApi, TellsWhatTheFingersDo) {
+  BothFilm both;
+  std::vector<handyar_gesture_event> events;
+  const auto watch = [&](const Posture& posture, int frames) {
+    both.film.hand.state.posture = posture;
+    for (int i = 0; i < frames; ++i) {
+      both.play(1);
+      const auto& cpp = both.film.result;
+      EXPECT_EQ(both.result.gesture, static_cast<handyar_gesture>(cpp.gesture));
+      EXPECT_EQ(both.result.gesture_event != HANDYAR_NO_EVENT, cpp.gesture_event.has_value());
+      if (both.result.gesture_event != HANDYAR_NO_EVENT)
+        events.push_back(both.result.gesture_event);
+      ASSERT_EQ(both.result.has_held_pose, cpp.held_pose.has_value());
+      if (cpp.held_pose) {
+        EXPECT_EQ(both.result.held_pose.T_camera_hand[2][3],
+                  cpp.held_pose->T_camera_hand.translation().z());
+      }
+    }
+  };
+  watch({}, 30);
+  EXPECT_EQ(both.result.gesture, HANDYAR_OPEN);
+  watch(test::kFist, 20);
+  EXPECT_EQ(both.result.gesture, HANDYAR_FIST);
+  EXPECT_TRUE(both.result.has_held_pose);
+  watch({}, 20);
+  EXPECT_EQ(events, (std::vector<handyar_gesture_event>{HANDYAR_GRAB, HANDYAR_RELEASE}));
+}
+
+TEST(CApi, AnOlderProgramsSmallerStructIsFilledToItsEnd) {
+  BothFilm both;
+  both.play(30);
+  const TrackResult& cpp = both.film.next();
+  const Picture picture = both.film.picture();
+  const handyar_frame frame = frame_of(picture);
+  handyar_result older;
+  older.size = offsetof(handyar_result, gesture);
+  older.gesture = 7;
+  ASSERT_EQ(handyar_process(both.tracker.get(), &frame, both.film.time_s, &older), HANDYAR_OK);
+  EXPECT_EQ(older.size, offsetof(handyar_result, gesture));
+  EXPECT_EQ(older.fingers[4].flexion_sigma_rad, cpp.fingers[4].flexion_sigma_rad);
+  EXPECT_EQ(older.gesture, 7) << "written beyond its end";
 }
 
 TEST(CApi, ShowsTheHandOfTheLastFrame) {

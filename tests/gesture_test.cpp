@@ -14,8 +14,9 @@ namespace {
 
 using test::Film;
 
-/// Fingers closed to a fist, and the thumb in the palm; not quite as the tracker has them.
-constexpr Posture kFist = {{-0.65, 0.03, 0, -0.02, -0.04}, {0.75, 1.25, 1.45, 1.4, 1.3}};
+using test::kFist;
+
+/// The thumb in the palm, not quite as the tracker has it.
 constexpr Posture kFour = {{-0.85, 0.02, 0, 0, -0.02}, {0.9, 0.05, 0, -0.04, 0.03}};
 
 Posture between(const Posture& a, const Posture& b, double share) {

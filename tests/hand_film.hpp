@@ -16,6 +16,9 @@ inline HandModel drawn_hand_model() {
   return hand;
 }
 
+/// Fingers closed to a fist, not quite as the tracker has them.
+inline constexpr Posture kFist = {{-0.65, 0.03, 0, -0.02, -0.04}, {0.75, 1.25, 1.45, 1.4, 1.3}};
+
 /// A hand before a camera, frame by frame, and the tracker that looks at it.
 struct Film {
   explicit Film(const Config& config = {}, int width_px = 640, int height_px = 480)

@@ -21,10 +21,13 @@ struct handyar_tracker {
 
 namespace {
 
-// The size of each struct in version 1.0, which is the least that a program passes: a number, once
+// The size that each struct had at first, which is the least that a program passes: a number, once
 // the struct has grown.
 template <class T>
 constexpr std::size_t kFirstSize = sizeof(T);
+
+template <>
+constexpr std::size_t kFirstSize<handyar_result> = 1392;
 
 template <class T>
 bool sized(const T* s) {
@@ -117,6 +120,18 @@ handyar_side to_c(handyar::Side side) {
   return side == handyar::Side::left ? HANDYAR_LEFT_HAND : HANDYAR_RIGHT_HAND;
 }
 
+handyar_gesture_event to_c(handyar::GestureEvent event) {
+  switch (event) {
+    case handyar::GestureEvent::grab:
+      return HANDYAR_GRAB;
+    case handyar::GestureEvent::release:
+      return HANDYAR_RELEASE;
+    case handyar::GestureEvent::click:
+      break;
+  }
+  return HANDYAR_CLICK;
+}
+
 static_assert(int{HANDYAR_FROM_CHECKERBOARD} == int(handyar::HandSource::checkerboard));
 static_assert(int{HANDYAR_FROM_AVERAGE_ADULT} == int(handyar::HandSource::average_adult));
 static_assert(int{HANDYAR_FROM_TRACKING} == int(handyar::HandSource::self));
@@ -125,6 +140,9 @@ static_assert(int{HANDYAR_SEARCHING} == int(handyar::State::searching));
 static_assert(int{HANDYAR_ACQUIRING} == int(handyar::State::acquiring));
 static_assert(int{HANDYAR_TRACKING} == int(handyar::State::tracking));
 static_assert(int{HANDYAR_LOST} == int(handyar::State::lost));
+static_assert(int{HANDYAR_OPEN} == int(handyar::Gesture::open));
+static_assert(int{HANDYAR_FIST} == int(handyar::Gesture::fist));
+static_assert(int{HANDYAR_FOUR} == int(handyar::Gesture::four));
 static_assert(int{HANDYAR_BGR} == int(handyar::PixelFormat::bgr));
 static_assert(int{HANDYAR_RGB} == int(handyar::PixelFormat::rgb));
 static_assert(int{HANDYAR_BGRA} == int(handyar::PixelFormat::bgra));
@@ -247,6 +265,10 @@ handyar_result to_c(const handyar::TrackResult& result, const handyar::HandModel
                     finger.flexion_sigma_rad};
   }
   for (int w = 0; w < HANDYAR_WEBS; ++w) r.webs[w] = to_c(result.webs[w]);
+  r.gesture = static_cast<handyar_gesture>(result.gesture);
+  if (result.gesture_event) r.gesture_event = to_c(*result.gesture_event);
+  r.has_held_pose = result.held_pose.has_value();
+  if (result.held_pose) r.held_pose = to_c(*result.held_pose);
   return r;
 }
 

@@ -92,6 +92,23 @@ enum { HANDYAR_PALM = 1, HANDYAR_BACK = 2 };
 typedef int32_t handyar_side;
 enum { HANDYAR_LEFT_HAND = 1, HANDYAR_RIGHT_HAND = 2 };
 
+/* What the fingers do. */
+typedef int32_t handyar_gesture;
+enum {
+  HANDYAR_OPEN = 0, /* outstretched, or not known to do anything else */
+  HANDYAR_FIST = 1, /* all closed */
+  HANDYAR_FOUR = 2  /* the thumb folded into the palm, the others outstretched */
+};
+
+/* What the hand has just done. */
+typedef int32_t handyar_gesture_event;
+enum {
+  HANDYAR_NO_EVENT = 0,
+  HANDYAR_GRAB = 1,    /* an open hand has closed */
+  HANDYAR_RELEASE = 2, /* the closed hand has opened, or is no longer seen */
+  HANDYAR_CLICK = 3    /* the thumb has been folded in */
+};
+
 /* Of a layout, face or side: it is not known. */
 enum { HANDYAR_UNKNOWN = 0 };
 
@@ -185,6 +202,13 @@ typedef struct handyar_result {
   handyar_point tips[HANDYAR_FINGERS];
   handyar_point webs[HANDYAR_WEBS];
   handyar_finger fingers[HANDYAR_FINGERS]; /* while there is a pose */
+  /* What follows came later: programs built before it have a smaller `size`. */
+  handyar_gesture gesture;             /* held for a tenth of a second at least */
+  handyar_gesture_event gesture_event; /* that this frame completed */
+  int32_t has_held_pose;               /* 0: `held_pose` means nothing */
+  /* While fingers are folded there is no `pose`; this is where the palm is, so that an object stays
+   * on it. Less sure than a pose; there is none of a hand that was not seen open before. */
+  handyar_pose held_pose;
 } handyar_result;
 
 /* The hand in the last frame as a binary picture, 255 hand, 0 not. Its pixel (u, v) covers the

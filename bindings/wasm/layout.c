@@ -78,6 +78,10 @@ int main(void) {
   FIELD(result, palm_centre_m);
   FIELD(result, tips);
   FIELD(result, fingers);
+  FIELD(result, gesture);
+  FIELD(result, gesture_event);
+  FIELD(result, has_held_pose);
+  FIELD(result, held_pose);
   END();
 
   BEGIN(mask);

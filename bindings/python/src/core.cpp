@@ -303,6 +303,7 @@ std::string describe(const TrackResult& r) {
   if (r.doubtful) text += " (doubtful)";
   if (r.layout) text += ", " + std::string(name(*r.layout));
   if (r.face) text += ", " + std::string(name(*r.face));
+  if (r.gesture != Gesture::open) text += ", " + std::string(name(r.gesture));
   if (r.pose) text += ", " + place(*r.pose);
   return text + ">";
 }
@@ -399,6 +400,21 @@ None without a hand.)")
           "rest; None without a hand.")
       .def_property_readonly("flexion_sigma_rad", &of_fingers<&FingerState::flexion_sigma_rad>,
                              "Standard deviations of `flexion_rad`, shape (5,).")
+      .def_property_readonly(
+          "gesture", [](const TrackResult& r) { return name(r.gesture); },
+          "What the fingers do, for a tenth of a second at least: 'open' (outstretched, or not "
+          "known "
+          "to do anything else), 'fist' (all closed) or 'four' (the thumb folded into the palm).")
+      .def_property_readonly(
+          "gesture_event", [](const TrackResult& r) { return name_or_none(r.gesture_event); },
+          "What this frame completed: 'grab' (an open hand has closed), 'release' (it has opened, "
+          "or "
+          "is no longer seen), 'click' (the thumb has been folded in) or None.")
+      .def_property_readonly(
+          "held_pose", [=](const TrackResult& r) { return or_none(r.held_pose, transform); },
+          R"(T_camera_hand of the palm while fingers are folded, shape (4, 4), metres, or None.
+
+There is no `pose` meanwhile; an object stays on the palm by this one, which is less sure.)")
       .def_readonly("scale_assumed", &TrackResult::scale_assumed,
                     "Whether the hand was not measured: lengths are then an average adult's.")
       .def_readonly("camera_assumed", &TrackResult::camera_assumed,

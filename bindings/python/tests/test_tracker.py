@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: MIT
+import pathlib
 import threading
 
 import numpy as np
@@ -50,6 +51,18 @@ def test_without_a_hand_there_is_none_and_nan():
     assert tracker.predict(1) is None
     assert r.camera_assumed and r.scale_assumed
     assert tracker.mask().shape == (240, 320) and not tracker.mask().any()
+
+
+def test_a_closing_hand_and_a_folded_thumb_are_told():
+    tracker = handyar.Tracker()
+    clip = pathlib.Path(__file__).parents[3] / "data/gesture/video.mp4"
+    results = [tracker.process(frame.bgr, frame.time_s) for frame in handyar.io.open_input(str(clip))]
+    events = [r.gesture_event for r in results if r.gesture_event is not None]
+    assert events == ["grab", "release", "click"]
+    closed = results[60]
+    assert closed.gesture == "fist" and "fist" in repr(closed)
+    assert closed.pose is None and closed.held_pose.shape == (4, 4)
+    assert results[30].gesture == "open" and results[30].held_pose is None
 
 
 # Every way in which the same picture may lie in memory.

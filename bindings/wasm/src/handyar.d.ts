@@ -21,6 +21,11 @@ export type State = 'searching' | 'acquiring' | 'tracking' | 'lost';
 /** On which side the thumb is when the visible face is looked at with the fingers up. */
 export type Layout = 'thumb_right' | 'thumb_left';
 
+/** `open`: outstretched, or not known to do anything else. `four`: the thumb folded into the palm. */
+export type Gesture = 'open' | 'fist' | 'four';
+/** `grab`: an open hand has closed. `release`: it has opened, or is no longer seen. `click`: the thumb has been folded in. */
+export type GestureEvent = 'grab' | 'release' | 'click';
+
 /** A pinhole camera with OpenCV's distortion. */
 export interface Camera {
   width_px: number;
@@ -91,6 +96,15 @@ export interface Result {
   rms_px: number | null;
   /** In the hand's frame: where an object stands. */
   palm_centre_m: number[];
+  /** Held for a tenth of a second at least. */
+  gesture: Gesture;
+  /** That this picture completed. */
+  gesture_event: GestureEvent | null;
+  /**
+   * While fingers are folded there is no `pose`; this is where the palm is, so that an object stays
+   * on it. Less sure than a pose; there is none of a hand that was not seen open before.
+   */
+  held_pose: Pose | null;
   /** Lengths are an average adult's. */
   scale_assumed: boolean;
   /** The camera was not calibrated. */

@@ -8,6 +8,8 @@ const STATES = ['searching', 'acquiring', 'tracking', 'lost'];
 const LAYOUTS = [null, 'thumb_right', 'thumb_left'];
 const FACES = [null, 'palm', 'back'];
 const SIDES = [null, 'left', 'right'];
+const GESTURES = ['open', 'fist', 'four'];
+const EVENTS = [null, 'grab', 'release', 'click'];
 const SOURCES = ['checkerboard', 'default', 'self', 'truth'];
 export const FINGERS = ['thumb', 'index', 'middle', 'ring', 'little'];
 
@@ -212,7 +214,9 @@ export function readPose(struct) {
 }
 
 export function readResult(struct, time_s) {
-  const pose = struct.int('has_pose') ? readPose(struct.inner('pose', layouts.pose)) : null;
+  const poseIn = (field) =>
+    (struct.int(`has_${field}`) ? readPose(struct.inner(field, layouts.pose)) : null);
+  const pose = poseIn('pose');
   const tips = FINGERS.map((_, i) => {
     const tip = struct.inner('tips', layouts.point, i);
     const [x_px, y_px] = tip.doubles('px', 2);
@@ -231,6 +235,9 @@ export function readResult(struct, time_s) {
     pose,
     rms_px: pose && struct.double('rms_px'),
     palm_centre_m: struct.doubles('palm_centre_m', 3),
+    gesture: GESTURES[struct.int('gesture')],
+    gesture_event: EVENTS[struct.int('gesture_event')],
+    held_pose: poseIn('held_pose'),
   };
 }
 

@@ -65,6 +65,18 @@ for (const { clip, calibrated, tracked } of [
   });
 }
 
+test('a closing hand and a folded thumb are told when the program tells them', { skip }, async () => {
+  const tracker = await HandTracker.create();
+  const told = [];
+  alongClip('gesture/video.mp4', [], (picture, row) => {
+    const { gesture, gesture_event, pose, held_pose } = tracker.process(picture, Number(row.time_s));
+    if (gesture_event) told.push([gesture_event, gesture]);
+    assert.ok(!pose || !held_pose);
+    if (gesture === 'fist') assert.ok(held_pose);
+  });
+  assert.deepEqual(told, [['grab', 'fist'], ['release', 'open'], ['click', 'four']]);
+});
+
 test('places and predictions go with the pose', { skip }, async () => {
   const camera = readCamera(readFileSync(data('sample/camera.yml'), 'utf8'));
   const tracker = await HandTracker.create({ camera });
