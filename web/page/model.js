@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What stands on the hand.
-import { Box3, Group, Mesh, MeshStandardMaterial, Vector3 } from 'three';
+import { AnimationMixer, Box3, Group, Mesh, MeshStandardMaterial, Vector3 } from 'three';
 import { TeapotGeometry } from 'three/addons/geometries/TeapotGeometry.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 
@@ -24,11 +24,18 @@ export function teapot() {
   return stood(new Mesh(new TeapotGeometry(1, 12), material));
 }
 
-/** A model from a .glb file, or from a .gltf file that has everything in it. */
+/**
+ * A model from a .glb file, or from a .gltf file that has everything in it, and what moves it: its
+ * first animation, over and over, or null.
+ */
 export async function modelFrom(file) {
   try {
-    const { scene } = await new GLTFLoader().parseAsync(await file.arrayBuffer(), '');
-    return stood(scene);
+    const { scene, animations } = await new GLTFLoader().parseAsync(await file.arrayBuffer(), '');
+    const model = stood(scene);
+    if (animations.length === 0) return { model, mixer: null };
+    const mixer = new AnimationMixer(scene);
+    mixer.clipAction(animations[0]).play();
+    return { model, mixer };
   } catch (error) {
     const reason = /Unexpected token|JSON/.test(error.message) ? 'it is not glTF' : error.message;
     throw new Error(`${file.name} cannot be shown: ${reason}`);

@@ -15,6 +15,7 @@ const stand = hand.addAnchor('face'), thumb = hand.addAnchor('thumb_tip'), index
 stand.group.add(teapot());
 const canvas = hand.renderer.domElement;
 
+let mixer = null;       // of a model that moves
 let teller = new Teller();
 let recorded = false;   // a recorded hand is watched
 let recorded_url = null;
@@ -87,8 +88,9 @@ function mirror(mirrored) {
   $('mirror').setAttribute('aria-pressed', mirrored);
 }
 
-// Drawn when a picture came, and not more often: nothing else moves.
+// Drawn when a picture came, and not more often: what moves moves with the pictures.
 hand.onUpdate = ({ result }) => {
+  mixer?.setTime(performance.now() / 1000);
   hand.renderer.render(hand.scene, hand.camera);
   drawRuler();
   turning?.take(result);
@@ -116,7 +118,8 @@ async function take(file) {
   try {
     if (file.name.endsWith('.json')) return await takeHand(file);
     if (/\.ya?ml$/.test(file.name)) return await takeCamera(file);
-    const model = await modelFrom(file);
+    const { model, mixer: moves } = await modelFrom(file);
+    mixer = moves;
     stand.group.clear();
     stand.group.add(model);
     tell(`${file.name} stands on the hand.`);
