@@ -30,14 +30,21 @@ export class Teller {
   say({ time_s, state, doubtful }, video) {
     this.#times_s = this.#times_s.filter((t) => t > time_s - WINDOW_s).concat(time_s);
     this.#hand_s ??= time_s;
-    if (state === 'tracking') this.#hand_s = time_s;
-    const watched_s = time_s - this.#times_s[0];
-    const rate_per_s = (this.#times_s.length - 1) / watched_s;
-    if (!video && watched_s > 0.8 * WINDOW_s && rate_per_s < SLOW_per_s)
-      return `Few pictures come in, ${Math.round(rate_per_s)} a second: more light makes most cameras faster.`;
-    if (state === 'tracking') return doubtful ? 'Show the open hand again.' : '';
+    if (state === 'tracking') {
+      this.#hand_s = time_s;
+      if (doubtful) return 'Show the open hand again.';
+      return video ? '' : this.#sayRate(time_s);
+    }
     if (time_s - this.#hand_s > LONG_s)
       return 'No hand is found. Hold it open, fingers spread, an arm’s length away, in even light.';
     return 'Hold up an open hand, fingers spread.';
+  }
+
+  #sayRate(time_s) {
+    const watched_s = time_s - this.#times_s[0];
+    const rate_per_s = (this.#times_s.length - 1) / watched_s;
+    if (watched_s < 0.8 * WINDOW_s || rate_per_s > SLOW_per_s) return '';
+    return `Only ${Math.round(rate_per_s)} pictures a second come in: more light makes most cameras faster, ` +
+      'and what else runs makes this machine slower.';
   }
 }

@@ -69,6 +69,21 @@ test('a phone has room for it', { skip }, () => withPage({ camera, ...phone }, a
   await page.screenshot({ path: artefact('phone_calibration.png') });
 }));
 
+test('held sideways it leaves the middle to the hand', { skip }, () =>
+  withPage({ camera, ...phone, viewport: { width: 740, height: 360 } }, async (page) => {
+    await assertFits(page);
+    await note(page);
+    await page.tap('#start');
+    await poses(page, 1);
+    await assertFits(page);
+    const from_x = (id) => page.evaluate((name) => document.getElementById(name).getBoundingClientRect().left, id);
+    assert.ok(await from_x('tools') > 0.75 * 740);
+    await page.tap('#calibrate');
+    await assertFits(page);
+    assert.ok(await from_x('calibration') > 0.5 * 740);
+    await page.screenshot({ path: artefact('phone_sideways.png') });
+  }));
+
 test('a refused camera is told of', { skip }, () => withPage({ camera: 'refused' }, async (page) => {
   await page.click('#start');
   await page.waitForSelector('#fault:not([hidden])');

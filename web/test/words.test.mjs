@@ -26,7 +26,8 @@ test('of a hand that is tracked nothing is said, but where it is doubtful', () =
 });
 
 test('few pictures are told of, with their rate, but not of a recording', () => {
-  assert.match(last(new Teller(), 0, 5, 8, { state: 'tracking' }), /^Few pictures come in, 8 a second/);
+  assert.match(last(new Teller(), 0, 5, 8, { state: 'tracking' }), /^Only 8 pictures a second come in/);
   assert.equal(last(new Teller(), 0, 5, 8, { state: 'tracking' }, true), '');
   assert.equal(last(new Teller(), 0, 1, 8, { state: 'tracking' }), '');  // too early to tell
+  assert.match(last(new Teller(), 0, 5, 8), /^Hold up an open hand/, 'what the person can do comes first');
 });
