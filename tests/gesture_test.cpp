@@ -14,19 +14,11 @@ namespace {
 
 using test::Film;
 
+using test::between;
 using test::kFist;
 
 /// The thumb in the palm, not quite as the tracker has it.
 constexpr Posture kFour = {{-0.85, 0.02, 0, 0, -0.02}, {0.9, 0.05, 0, -0.04, 0.03}};
-
-Posture between(const Posture& a, const Posture& b, double share) {
-  Posture p;
-  for (int f = 0; f < kFingerCount; ++f) {
-    p.abduction_rad[f] = (1 - share) * a.abduction_rad[f] + share * b.abduction_rad[f];
-    p.flexion_rad[f] = (1 - share) * a.flexion_rad[f] + share * b.flexion_rad[f];
-  }
-  return p;
-}
 
 // Ten pixels are wanted; these films come to between 1 and 10.3, by where each frame falls.
 constexpr double kMostMoved_px = 12;

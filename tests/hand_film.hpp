@@ -19,6 +19,16 @@ inline HandModel drawn_hand_model() {
 /// Fingers closed to a fist, not quite as the tracker has them.
 inline constexpr Posture kFist = {{-0.65, 0.03, 0, -0.02, -0.04}, {0.75, 1.25, 1.45, 1.4, 1.3}};
 
+/// On the way from one posture to another.
+inline Posture between(const Posture& a, const Posture& b, double share) {
+  Posture p;
+  for (int f = 0; f < kFingerCount; ++f) {
+    p.abduction_rad[f] = (1 - share) * a.abduction_rad[f] + share * b.abduction_rad[f];
+    p.flexion_rad[f] = (1 - share) * a.flexion_rad[f] + share * b.flexion_rad[f];
+  }
+  return p;
+}
+
 /// A hand before a camera, frame by frame, and the tracker that looks at it.
 struct Film {
   explicit Film(const Config& config = {}, int width_px = 640, int height_px = 480)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "hand_film.hpp"
@@ -97,6 +99,20 @@ TEST_F(TwoHands, OneHandIsNeverTwo) {
   }
   EXPECT_GT(found, 50);
   EXPECT_EQ(both, 0);
+}
+
+TEST_F(TwoHands, AHandThatClosesAndOpensIsNotTakenByTheOther) {
+  left_present = false;
+  film.tilt_rad = deg(4);
+  ASSERT_LT(film.until(State::tracking, 0.5), 0.5);
+  for (double phase = 0; phase < 3; phase += 0.02) {  // thrice: to a fist, so for a while, open
+    const double share = std::clamp(1.6 - 8 * std::abs(std::fmod(phase, 1.0) - 0.5), 0.0, 1.0);
+    film.hand.state.posture = between({}, kFist, share);
+    next();
+    ASSERT_FALSE(result.pose) << phase;
+    ASSERT_FALSE(result.held_pose) << phase;
+  }
+  EXPECT_EQ(film.result.state, State::tracking);
 }
 
 TEST(ShareView, EndsWithEitherTracker) {

@@ -22,7 +22,9 @@ bool HandTracker::Impl::is_of_other(const HandCandidate& candidate) const noexce
   const auto distance = [&](const Followed& its) {
     return (candidate.palm_px - its.palm_px).norm() / its.size_px;
   };
-  const float from_other = distance(place_of(*other->in_view()));
+  Hypothesis open = *other->in_view();  // as large as when its fingers are not folded
+  open.alignment.state.posture = {};
+  const float from_other = distance(place_of(open));
   return from_other < kApart && !(holds_hand() && distance(followed()) < from_other);
 }
 
