@@ -136,6 +136,13 @@ export class HandTracker {
   private constructor();
   static create(options?: Options): Promise<HandTracker>;
 
+  /**
+   * Two trackers for two hands before one camera: each leaves the hand that the other follows alone,
+   * so that they do not change hands when these pass each other. Every picture is for both, for the
+   * first one first.
+   */
+  static createPair(options?: Options): Promise<[HandTracker, HandTracker]>;
+
   /** The camera of the last picture; null before the first. */
   readonly camera: Camera | null;
 

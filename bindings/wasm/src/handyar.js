@@ -58,10 +58,21 @@ export class HandTracker {
   #structs;
   #pixels = { address: 0, length: 0 };
   #pictures = new PictureReader();
+  #pair = [this];     // those that share its view, the first one first
 
   static async create({ camera = null, hand = null, wasm } = {}) {
-    const tracker = new HandTracker();
+    return HandTracker.#within(await Library.load(wasm), camera, hand);
+  }
+
+  static async createPair({ camera = null, hand = null, wasm } = {}) {
     const library = await Library.load(wasm);
+    const pair = [1, 2].map(() => HandTracker.#within(library, camera, hand));
+    for (const tracker of pair) tracker.#pair = pair;
+    return pair;
+  }
+
+  static #within(library, camera, hand) {
+    const tracker = new HandTracker();
     tracker.#library = library;
     tracker.#given = { camera, hand };
     tracker.#answer = library.allocate(16 * 8);
@@ -147,6 +158,8 @@ export class HandTracker {
     if (hand) writeHand(hand_struct, hand);
     this.#library.call('create', camera.address, hand ? hand_struct.address : 0, 0, this.#answer);
     this.#tracker = this.#library.view().getInt32(this.#answer, true);
+    const pair = this.#pair.map((tracker) => tracker.#tracker);
+    if (pair.length === 2 && !pair.includes(0)) this.#library.shareView(...pair);
   }
 
   #forget() {

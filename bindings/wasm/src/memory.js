@@ -137,6 +137,10 @@ export class Library {
     this.#exports.handyar_reset(tracker);
   }
 
+  shareView(first, second) {
+    this.#exports.handyar_share_view(first, second);
+  }
+
   #text(address) {
     const bytes = this.bytes(address, 200);
     return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));

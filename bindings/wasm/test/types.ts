@@ -11,6 +11,8 @@ import type { Object3D } from 'three';
 export async function track(bitmap: ImageBitmap, video: HTMLVideoElement): Promise<Float32Array> {
   const camera = cameraFromFieldOfView(640, 480);
   const tracker = await HandTracker.create({ camera, hand: readHand('{}') });
+  const [, second] = await HandTracker.createPair({ camera });
+  second.process(bitmap, 1.5);
   const result: Result = tracker.process(bitmap, 1.5);
   const pose: Pose | null = result.pose ?? tracker.predict(1.6);
   const live = await LiveTracker.start(video, {
