@@ -1,5 +1,5 @@
 # What `cmake --install` gives to developers: libraries and headers, and files by which CMake
-# (find_package(handyar COMPONENTS core io calibration)) and pkg-config find them. A room's own
+# (find_package(handyar COMPONENTS core io calibration world)) and pkg-config find them. A room's own
 # CMakeLists.txt says handyar_install_room(); programs and their pages are installed where they are
 # made.
 #

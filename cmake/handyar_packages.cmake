@@ -47,7 +47,7 @@ handyar_package(development libhandyar-dev libdevel
   "This package has what is needed to build programs with it.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libhandyar1 (= ${PROJECT_VERSION}), libeigen3-dev (>= 3.4)")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS  # of the components io and calibration
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS  # of the components io, calibration and world
   "libopencv-dev, nlohmann-json3-dev, libavformat-dev, libavcodec-dev, libavutil-dev, libswscale-dev, pkg-config")
 
 handyar_package(program handyar graphics

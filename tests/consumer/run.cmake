@@ -1,6 +1,6 @@
 # Installs handyar, builds the consumer against what was installed, runs it.
 #   cmake -DBUILD_DIR=... -DWORK_DIR=... -DGENERATOR=... -DC=... -DCXX=... -DCXX_FLAGS=...
-#     -DROOMS="io;calibration" -P run.cmake
+#     -DROOMS="io;calibration;world" -P run.cmake
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
@@ -10,8 +10,9 @@ set(examples ${CMAKE_CURRENT_LIST_DIR}/../../examples)
 file(REMOVE_RECURSE ${WORK_DIR})
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
 
+string(REPLACE ";" "\\;" rooms "${ROOMS}")  # one argument
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/build -G ${GENERATOR}
-  -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Debug "-DROOMS=${ROOMS}"
+  -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Debug "-DROOMS=${rooms}"
   -DEXAMPLES_DIR=${examples} -DCMAKE_C_COMPILER=${C} -DCMAKE_C_FLAGS=${CXX_FLAGS}
   -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
@@ -32,7 +33,11 @@ if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_PATH} ${pc_dir})
   set(ENV{LD_LIBRARY_PATH} ${pc_dir}/..)
   foreach(room IN LISTS ROOMS)
-    by_pkg_config("${CXX};-std=c++20" ${examples}/03_track_video.cpp handyar-${room} handyar-io)
+    set(example 03_track_video)
+    if(room STREQUAL "world")
+      set(example 07_world)
+    endif()
+    by_pkg_config("${CXX};-std=c++20" ${examples}/${example}.cpp handyar-${room} handyar-io)
   endforeach()
   by_pkg_config("${C};-std=c99" ${examples}/06_track_in_c.c handyar)
   by_pkg_config("${CXX};-std=c++20" ${CMAKE_CURRENT_LIST_DIR}/main.cpp handyar)
