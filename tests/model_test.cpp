@@ -30,6 +30,46 @@ class ModelFile : public testing::Test {
     return (folder_ / name).string();
   }
 
+  /// A triangle 2 wide and 1 high, doubled by the root of the file, and a node that goes up by 3
+  /// in two seconds. It hangs on that node; or, `boned`, its second corner does, and the third by
+  /// half.
+  std::string write_moving(bool boned) const {
+    std::string buffer;
+    const auto add = [&](std::initializer_list<float> numbers) {
+      buffer.append(reinterpret_cast<const char*>(numbers.begin()), numbers.size() * sizeof(float));
+    };
+    add({0, 0, 0, 2, 0, 0, 0, 1, 0});                     // corners
+    add({0, 2});                                          // times
+    add({0, 0, 0, 0, 3, 0});                              // places
+    add({1, 0, 0, 0, 0, 1, 0, 0, 0.5f, 0.5f, 0, 0});      // weights of joints
+    buffer.append({0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0});  // joints
+    for (int joint = 0; joint < 2; ++joint)               // without these assimp 5.2 crashes
+      add({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+    write("moving.bin", buffer);
+    const std::string mesh = boned ? R"(, "mesh": 0, "skin": 0)" : R"(, "mesh": 0)";
+    return write("moving.gltf", R"({"asset": {"version": "2.0"}, "scene": 0,
+      "scenes": [{"nodes": [0]}], "nodes": [{"name": "root", "scale": [2, 2, 2], "children": [1, 2]},
+        {"name": "still")" + (boned ? mesh : "") +
+                                    R"(}, {"name": "goes up")" + (boned ? "" : mesh) + R"(}],
+      "skins": [{"joints": [1, 2], "inverseBindMatrices": 5}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "WEIGHTS_0": 3, "JOINTS_0": 4}}]}],
+      "animations": [{"channels": [{"sampler": 0, "target": {"node": 2, "path": "translation"}}],
+        "samplers": [{"input": 1, "output": 2}]}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+        {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR"},
+        {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"},
+        {"bufferView": 3, "componentType": 5126, "count": 3, "type": "VEC4"},
+        {"bufferView": 4, "componentType": 5121, "count": 3, "type": "VEC4"},
+        {"bufferView": 5, "componentType": 5126, "count": 2, "type": "MAT4"}],
+      "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 36},
+        {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+        {"buffer": 0, "byteOffset": 44, "byteLength": 24},
+        {"buffer": 0, "byteOffset": 68, "byteLength": 48},
+        {"buffer": 0, "byteOffset": 116, "byteLength": 12},
+        {"buffer": 0, "byteOffset": 128, "byteLength": 128}],
+      "buffers": [{"uri": "moving.bin", "byteLength": 256}]})");
+  }
+
   std::string complaint(const std::string& path) const {
     testing::internal::CaptureStderr();
     try {
@@ -143,6 +183,29 @@ TEST_F(ModelFile, ReadsAPlyWithColours) {
             "0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
   const Model model = load_model(path);
   EXPECT_TRUE(model.meshes.at(0).vertices.at(0).colour.isApprox(Eigen::Vector3f(1, 0, 0), 1e-5f));
+}
+
+TEST_F(ModelFile, ReadsHowNodesAndBonesMove) {
+  for (const bool boned : {false, true}) {
+    const Model model = load_model(write_moving(boned));
+    EXPECT_NEAR(model.period_s, 2, 1e-6);
+    ASSERT_EQ(model.meshes.size(), 1u);
+    const Mesh& mesh = model.meshes[0];
+    ASSERT_EQ(mesh.moments.size(), 40u);
+    ASSERT_EQ(mesh.vertices.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::Vector3f& first = mesh.vertices[i].position;
+      const float carried = !boned ? 1 : first.y() > 3 ? 1 : first.z() > 1 ? 0.5f : 0;
+      for (const std::size_t k : {0u, 10u, 30u}) {
+        const Eigen::Vector3f up(0, 0, carried * 6 * static_cast<float>(k) / 40);
+        EXPECT_TRUE(mesh.moments[k].positions[i].isApprox(first + up, 1e-5f)) << i << " at " << k;
+        EXPECT_NEAR(mesh.moments[k].normals[i].norm(), 1, 1e-5);
+      }
+    }
+    EXPECT_TRUE(
+        model.bounds().sizes().isApprox(Eigen::Vector3f(0, 4, boned ? 5.85f : 7.85f), 1e-4f))
+        << model.bounds().sizes().transpose();
+  }
 }
 
 std::string ply(const std::string& format, int vertices, int faces, const std::string& body) {

@@ -188,6 +188,29 @@ TEST_F(RendererTest, FollowsTheDistortionOfTheCamera) {
   }
 }
 
+TEST_F(RendererTest, AModelThatMovesIsWhereItsTimeHasIt) {
+  Model moving = cube();  // to its right by three of its sides and back, in two seconds
+  Mesh& mesh = moving.meshes[0];
+  for (const float right : {0.0f, 3.0f}) {
+    Mesh::Moment& moment = mesh.moments.emplace_back();
+    for (const Vertex& v : mesh.vertices) {
+      moment.positions.push_back(v.position + right * Eigen::Vector3f::UnitX());
+      moment.normals.push_back(v.normal);
+    }
+  }
+  moving.period_s = 2;
+  const Isometry3d T = hand_at(0.45);
+  Instance instance = red(T, 0.12);
+  instance.model = renderer.add(moving);
+  for (const auto& [time_s, x_m] :
+       {std::pair{0.0, -0.045}, {0.5, 0.0}, {1.0, 0.045}, {4.0, -0.045}}) {
+    instance.time_s = time_s;
+    const cv::Mat out = drawn(instance, T);
+    for (const double other_m : {-0.045, 0.0, 0.045})
+      EXPECT_EQ(is_red(at(out, T * Vector3d(other_m, 0, 0.03))), other_m == x_m) << time_s;
+  }
+}
+
 TEST_F(RendererTest, OpacityIsACrossFade) {
   const Isometry3d T = hand_at(0.45);
   Instance instance = red(T);

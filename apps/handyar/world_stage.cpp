@@ -83,6 +83,7 @@ void WorldStage::move(std::size_t which, double time_s, const world::WorldMap& m
   Object& object = objects_[which];
   const auto event = object.placement.update(time_s, map.ground, T_world_stand);
   object.what.T_marker_object = object.placement.T_world_object();
+  object.instance.time_s = time_s;
   object.instance.ground =
       object.placement.carried() ? render::Ground::hand : render::Ground::world;
   if (event && log != nullptr)

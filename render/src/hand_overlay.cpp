@@ -36,6 +36,7 @@ void HandOverlay::draw(cv::Mat& frame_bgr, const Camera& camera, double time_s,
   // What stands on a fingertip or behind the hand throws no shadow that could be seen on it.
   const bool on_visible_face = T_hand_object_.linear()(2, 2) > 0.9;
   instance_.ground = on_visible_face ? Ground::hand : Ground::none;
+  instance_.time_s = time_s;
   instance_.opacity = seen.opacity;
   instance_.T_camera_object = seen.T_camera_hand * T_hand_object_;
   HandOccluder occluder{mask, seen.T_camera_hand, 0.008};

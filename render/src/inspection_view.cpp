@@ -119,6 +119,7 @@ void InspectionView::arrange(double time_s) {
     const Placed& p = placed_[i];
     Instance& instance = instances_[i];
     const double shown = p.T_camera_object ? p.shown : 0;
+    instance.time_s = time_s;
     instance.ground = Ground::world;
     instance.opacity = static_cast<float>(shown * shown * (3 - 2 * shown));
     instance.shadow = 1;

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/render/model.hpp"
 
+#include <algorithm>
+
 namespace handyar::render {
 
 Eigen::AlignedBox3f Model::bounds() const {
   Eigen::AlignedBox3f box;
-  for (const Mesh& mesh : meshes)
+  for (const Mesh& mesh : meshes) {
     for (const Vertex& v : mesh.vertices) box.extend(v.position);
+    for (const Mesh::Moment& moment : mesh.moments)
+      for (const Eigen::Vector3f& position : moment.positions) box.extend(position);
+  }
   return box;
 }
 
@@ -15,8 +20,12 @@ Model Model::standing() const {
   const Eigen::Vector3f foot(box.center().x(), box.center().y(), box.min().z());
   const float scale = 1.0f / box.sizes().maxCoeff();
   Model m = *this;
-  for (Mesh& mesh : m.meshes)
-    for (Vertex& v : mesh.vertices) v.position = scale * (v.position - foot);
+  const auto stand = [&](Eigen::Vector3f& position) { position = scale * (position - foot); };
+  for (Mesh& mesh : m.meshes) {
+    for (Vertex& v : mesh.vertices) stand(v.position);
+    for (Mesh::Moment& moment : mesh.moments)
+      std::for_each(moment.positions.begin(), moment.positions.end(), stand);
+  }
   return m;
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <cmath>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -13,6 +14,7 @@
 #include "handyar/io/error.hpp"
 #include "handyar/io/quiet_standard_error.hpp"
 #include "handyar/render/model.hpp"
+#include "motion.hpp"
 #include "ply.hpp"
 
 namespace handyar::render {
@@ -82,12 +84,10 @@ Material read_material(const aiScene& scene, const aiMaterial& in, const fs::pat
   return out;
 }
 
-Mesh read_mesh(const aiMesh& in) {
+Mesh read_mesh(const aiMesh& in, const Mesh::Moment& first) {
   Mesh out;
-  // Files have +y up and +z to the front; here these are +z and +x.
-  const auto turned = [](const aiVector3D& v) { return Eigen::Vector3f(v.z, v.x, v.y); };
   for (unsigned i = 0; i < in.mNumVertices; ++i) {
-    Vertex v{turned(in.mVertices[i]), turned(in.mNormals[i])};
+    Vertex v{first.positions[i], first.normals[i]};
     if (in.HasVertexColors(0))
       v.colour = {in.mColors[0][i].r, in.mColors[0][i].g, in.mColors[0][i].b};
     if (in.HasTextureCoords(0)) v.uv = {in.mTextureCoords[0][i].x, in.mTextureCoords[0][i].y};
@@ -99,6 +99,26 @@ Mesh read_mesh(const aiMesh& in) {
       out.indices.insert(out.indices.end(), face.mIndices, face.mIndices + 3);
   }
   return out;
+}
+
+/// A mesh where it is used: a file may have it at several nodes.
+struct Use {
+  const aiMesh* mesh;
+  const aiNode* node;
+};
+
+void find_uses(const aiScene& scene, const aiNode& node, std::vector<Use>& uses) {
+  for (unsigned i = 0; i < node.mNumMeshes; ++i)
+    uses.push_back({scene.mMeshes[node.mMeshes[i]], &node});
+  for (unsigned i = 0; i < node.mNumChildren; ++i) find_uses(scene, *node.mChildren[i], uses);
+}
+
+/// How many moments tell a motion: so many a second, but of large models fewer, for memory's sake.
+int moment_count(double period_s, const std::vector<Use>& uses) {
+  constexpr double kPerSecond = 20, kMostVertices = 4e6;
+  double vertices = 1;
+  for (const Use& use : uses) vertices += use.mesh->mNumVertices;
+  return static_cast<int>(std::ceil(std::min(kPerSecond * period_s, kMostVertices / vertices)));
 }
 
 // assimp's own steps take it for granted that faces have corners, and that these are there.
@@ -128,19 +148,27 @@ Model load_model(const fs::path& path) {
   const aiScene* scene = importer.ReadFile(path.string(), 0);
   if (scene && has_broken_face(*scene)) fail(path, "has a face with a corner that is not there");
   if (scene)
-    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices |
-                                         aiProcess_SortByPType | aiProcess_GenSmoothNormals |
-                                         aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs |
-                                         aiProcess_FindDegenerates);
+    scene = importer.ApplyPostProcessing(
+        aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
+        aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs | aiProcess_FindDegenerates);
   if (!scene) fail(path, "cannot be read as a model: " + first_line(importer.GetErrorString()));
+  std::vector<Use> uses;
+  find_uses(*scene, *scene->mRootNode, uses);
   Model model;
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
-    Mesh mesh = read_mesh(*scene->mMeshes[i]);
-    if (mesh.indices.empty()) continue;
-    mesh.material =
-        read_material(*scene, *scene->mMaterials[scene->mMeshes[i]->mMaterialIndex], path);
-    model.meshes.push_back(std::move(mesh));
+  const NodePlaces first(*scene, 0);
+  for (const auto& [mesh, node] : uses) {
+    model.meshes.push_back(read_mesh(*mesh, moment(*mesh, *node, first)));
+    model.meshes.back().material =
+        read_material(*scene, *scene->mMaterials[mesh->mMaterialIndex], path);
   }
+  model.period_s = period_s(*scene);
+  const int count = moment_count(model.period_s, uses);
+  for (int k = 0; k < count; ++k) {
+    const NodePlaces places(*scene, static_cast<double>(k) / count);
+    for (std::size_t i = 0; i < uses.size(); ++i)
+      model.meshes[i].moments.push_back(moment(*uses[i].mesh, *uses[i].node, places));
+  }
+  std::erase_if(model.meshes, [](const Mesh& mesh) { return mesh.indices.empty(); });
   const Eigen::AlignedBox3f box = model.bounds();
   if (model.meshes.empty() || !(box.sizes().maxCoeff() > 0) || !box.sizes().allFinite())
     fail(path, "holds no surface to draw");

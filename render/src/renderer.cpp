@@ -41,9 +41,14 @@ struct GpuMesh {
   std::optional<gl::Texture> texture;
   GLsizei index_count = 0;
   Material material;
+  std::vector<Mesh::Moment> moments;
+  std::vector<Vertex> moved;  ///< what the buffer is filled with, where it moves
 
   explicit GpuMesh(const Mesh& mesh)
-      : index_count(static_cast<GLsizei>(mesh.indices.size())), material(mesh.material) {
+      : index_count(static_cast<GLsizei>(mesh.indices.size())),
+        material(mesh.material),
+        moments(mesh.moments) {
+    if (!moments.empty()) moved = mesh.vertices;
     glBindVertexArray(array);
     glBindBuffer(GL_ARRAY_BUFFER, vertices);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(Vertex)),
@@ -58,6 +63,23 @@ struct GpuMesh {
     attribute(3, 2, offsetof(Vertex, uv));
     attribute(4, 1, offsetof(Vertex, openness));
     if (!material.texture.empty()) upload_texture();
+  }
+
+  /// `share`: of the model's period.
+  void move(double share) {
+    if (moments.empty()) return;
+    const double at = share * static_cast<double>(moments.size());
+    const auto k = static_cast<std::size_t>(at);
+    const Mesh::Moment &before = moments[k % moments.size()],
+                       &after = moments[(k + 1) % moments.size()];
+    const auto weight = static_cast<float>(at - static_cast<double>(k));
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      moved[i].position = (1 - weight) * before.positions[i] + weight * after.positions[i];
+      moved[i].normal = (1 - weight) * before.normals[i] + weight * after.normals[i];
+    }
+    glBindBuffer(GL_ARRAY_BUFFER, vertices);
+    glBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(moved.size() * sizeof(Vertex)),
+                    moved.data());
   }
 
  private:
@@ -84,8 +106,9 @@ struct GpuModel {
   std::vector<GpuMesh> meshes;
   gl::Texture shadow;
   Eigen::AlignedBox3f box;  ///< standing, longest side 1
+  double period_s;
 
-  explicit GpuModel(Model model) : box(model.bounds()) {
+  explicit GpuModel(Model model) : box(model.bounds()), period_s(model.period_s) {
     bake_openness(model);
     for (const Mesh& mesh : model.meshes) meshes.emplace_back(mesh);
     const cv::Mat rg = bake_shadow(model);
@@ -231,7 +254,7 @@ struct Renderer::Impl {
     glUniform1f(program["glow"], instance.glow);
   }
 
-  void draw_objects(std::span<const Instance> instances) const {
+  void draw_objects(std::span<const Instance> instances) {
     glUniform1i(object["surface"], 0);
     glUniform1i(object["ambient"], 2);
     glUniform1i(object["mirrored"], 3);
@@ -240,7 +263,10 @@ struct Renderer::Impl {
     for (const Instance& instance : instances) {
       if (instance.opacity <= 0) continue;
       place(object, instance);
-      for (const GpuMesh& mesh : models[instance.model].meshes) {
+      GpuModel& model = models[instance.model];
+      const double periods = model.period_s > 0 ? instance.time_s / model.period_s : 0;
+      for (GpuMesh& mesh : model.meshes) {
+        mesh.move(periods - std::floor(periods));
         const Vector3f colour = mesh.material.colour.cwiseProduct(instance.colour);
         const float roughness = std::clamp(mesh.material.roughness, 0.18f, 1.0f);
         set(object["base_colour"], colour.cwiseProduct(colour));

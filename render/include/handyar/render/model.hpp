@@ -29,7 +29,13 @@ struct Material {
 
 /// Triangles that share a material.
 struct Mesh {
-  std::vector<Vertex> vertices;
+  /// Where the vertices are at one moment of the model's motion.
+  struct Moment {
+    std::vector<Eigen::Vector3f> positions, normals;
+  };
+
+  std::vector<Vertex> vertices;        ///< at first
+  std::vector<Moment> moments;         ///< evenly over the model's period; empty: it does not move
   std::vector<std::uint32_t> indices;  ///< three per triangle
   Material material;
 };
@@ -37,7 +43,9 @@ struct Mesh {
 /// A 3-D object as loaded: +z up, its front towards +x, in the model's own units.
 struct Model {
   std::vector<Mesh> meshes;
+  double period_s = 0;  ///< of its motion, which goes on and on; 0: it has none
 
+  /// Of all moments.
   Eigen::AlignedBox3f bounds() const;
 
   /// The same object standing on the origin: its lowest point at z = 0, its box centred on x = y =
@@ -52,9 +60,9 @@ Model teapot();
 /// A sitting bunny, made for this project; it looks along +x.
 Model bunny();
 
-/// Reads OBJ, PLY, glTF and whatever else assimp can, with materials and textures; +y up and
-/// +z to the front in the file, as those formats have it. Throws io::Error with one line
-/// that names the file.
+/// Reads OBJ, PLY, glTF and whatever else assimp can, with materials, textures and the first
+/// animation (of nodes and bones, not of shapes); +y up and +z to the front in the file, as those
+/// formats have it. Throws io::Error with one line that names the file.
 Model load_model(const std::filesystem::path& path);
 
 /// `teapot`, `bunny`, or a file; standing on the origin, its longest side 1. Throws as load_model.

@@ -22,6 +22,7 @@ struct Instance {
   int model = 0;  ///< from Renderer::add
   /// Pose of the object's frame: its origin is where it touches the ground, +z is up.
   Eigen::Isometry3d T_camera_object = Eigen::Isometry3d::Identity();
+  double time_s = 0;                                 ///< a model that moves is shown as it is then
   double size_m = 0.09;                              ///< longest side
   Eigen::Vector3f colour = Eigen::Vector3f::Ones();  ///< multiplies the model's own, sRGB
   float opacity = 1;
