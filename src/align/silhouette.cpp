@@ -47,6 +47,21 @@ HANDYAR_VECTORISED float distance_to(const Capsules& c, int count, float x_px,
   return *std::min_element(least.begin(), least.end());
 }
 
+/// Whether one of the first `count` sheets covers a point.
+HANDYAR_VECTORISED bool covered(const Sheets& s, int count, float x_px, float y_px) noexcept {
+  int sheets = 0;
+  for (int i = 0; i < count; ++i) {
+    int left = 1, right = 1;
+    for (int k = 0; k < 3; ++k) {
+      const float side = s.dx[k][i] * (y_px - s.y[k][i]) - s.dy[k][i] * (x_px - s.x[k][i]);
+      left &= side > 0;
+      right &= side < 0;
+    }
+    sheets |= left | right;
+  }
+  return sheets != 0;
+}
+
 /// Spheres whose own roundness shows: fingertips, webs, the heel.
 constexpr std::array<std::uint8_t, 10> kRound{3, 7, 11, 15, 19, 20, 21, 22, 23, kHeel};
 
@@ -58,7 +73,9 @@ Silhouette::Silhouette(Appearance appearance, const HandState& state, const Hand
   const PosedFigure posed = pose_fingers(figure, state.posture);
   for (int s = 0; s < kSphereCount; ++s) r_[s] = static_cast<float>(figure.radii_m[s]);
   project(appearance, posed, state, view);
-  if (valid_) add_capsules();
+  if (!valid_) return;
+  add_capsules();
+  add_sheets();
 }
 
 void Silhouette::project(Appearance appearance, const PosedFigure& posed, const HandState& state,
@@ -130,17 +147,16 @@ void Silhouette::add_capsules() noexcept {
   }
 }
 
-bool Silhouette::in_a_sheet(const Eigen::Vector2f& p) const noexcept {
+void Silhouette::add_sheets() noexcept {
   const Topology& t = topology();
-  for (int i = 0; i < t.sheet_count; ++i) {
-    const auto& [a, b, c] = t.sheets[i];
-    const auto cross = [&](int from, int to) {
-      return (x_[to] - x_[from]) * (p.y() - y_[from]) - (y_[to] - y_[from]) * (p.x() - x_[from]);
-    };
-    const float ab = cross(a, b), bc = cross(b, c), ca = cross(c, a);
-    if ((ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0)) return true;
-  }
-  return false;
+  for (int i = 0; i < t.sheet_count; ++i)
+    for (int k = 0; k < 3; ++k) {
+      const int from = t.sheets[i][k], to = t.sheets[i][(k + 1) % 3];
+      sheets_.x[k][i] = x_[from];
+      sheets_.y[k][i] = y_[from];
+      sheets_.dx[k][i] = x_[to] - x_[from];
+      sheets_.dy[k][i] = y_[to] - y_[from];
+    }
 }
 
 int Silhouette::own_capsules() noexcept { return topology().own_pairs; }
@@ -172,7 +188,8 @@ std::size_t Silhouette::sheet_polygon(
 
 float Silhouette::distance_px(const Eigen::Vector2f& p) const noexcept {
   const float least = distance_to(capsules_, capsule_count_, p.x(), p.y());
-  return least > 0 && in_a_sheet(p) ? -1.0f : least;
+  const bool inside = least > 0 && covered(sheets_, topology().sheet_count, p.x(), p.y());
+  return inside ? -1.0f : least;
 }
 
 OutlinePlace Silhouette::place(const OutlineAnchor& k) const noexcept {

@@ -33,6 +33,12 @@ struct Capsules {
   alignas(32) std::array<float, kMost> x, y, dx, dy, length, inverse_length, slope, r0, dr;
 };
 
+/// Triangles in a view by their corners and the edges from each to the next.
+struct Sheets {
+  static constexpr int kMost = 32;
+  std::array<std::array<float, kMost>, 3> x, y, dx, dy;
+};
+
 /// The figure projected into a view: discs, with derivatives by the state.
 class Silhouette {
  public:
@@ -79,13 +85,13 @@ class Silhouette {
   void project(Appearance appearance, const PosedFigure& posed, const HandState& state,
                const HandView& view) noexcept;
   void add_capsules() noexcept;
+  void add_sheets() noexcept;
   static int own_capsules() noexcept;
   static int sheet_count() noexcept;
   std::size_t capsule_polygon(int capsule, float grow_px,
                               std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept;
   std::size_t sheet_polygon(int sheet,
                             std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept;
-  bool in_a_sheet(const Eigen::Vector2f& p) const noexcept;
   void try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept;
 
   bool valid_ = true;
@@ -96,6 +102,7 @@ class Silhouette {
   static constexpr int kOwnFigureAt = 8, kOwnFreedoms = kOwnFigureAt + kFigureModes;
   std::array<Eigen::Matrix<double, 3, kOwnFreedoms>, kSphereCount> J_;
   Capsules capsules_;
+  Sheets sheets_;
   int capsule_count_ = 0;
 };
 
