@@ -174,6 +174,23 @@ TEST(Tracker, FingersThatMoveLeaveThePalmsPoseAndAreReported) {
   EXPECT_LT(abduction_rad, deg(1.5)) << "of 2.6 deg in the mean that they move";
 }
 
+TEST(Tracker, FingersSideBySideAreNoSmallerHand) {
+  for (const double closing : {0.0, 0.4, 0.7, 0.9}) {
+    Film film;
+    film.hand_model = average_adult_hand();
+    film.tracker = HandTracker(film.camera, film.hand_model);
+    for (int f = 0; f < kFingerCount; ++f)
+      film.hand.state.posture.abduction_rad[f] = closing * kClosing_rad[f];
+    ASSERT_LT(film.until(State::tracking, 1), 1) << closing;
+    for (int i = 0; i < 15; ++i) film.next();
+    ASSERT_TRUE(film.result.pose) << closing;
+    const Eigen::Isometry3d& T = film.result.pose->T_camera_hand;
+    EXPECT_LT(rotation_error_rad(film), deg(8)) << closing;
+    EXPECT_NEAR(T.translation().norm() / film.T_camera_hand.translation().norm(), 1, 0.08)
+        << closing;
+  }
+}
+
 TEST(Tracker, LearnsAnotherPersonsHand) {
   Film film;
   film.hand_model = average_adult_hand();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "track/hypotheses.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -20,10 +21,15 @@ struct Settling {
 constexpr std::array<Settling, 2> kRoughly{{{0.006, 0.021, 0.015}, {0.004, 0.014, 0.010}}};
 constexpr std::array<Settling, 2> kFinely{{{0.003, 0.009, 0}, {0.002, 0.009, 0}}};
 constexpr double kForgetAll = 1e-3;
-// Fingertips tell tilt badly, and a figure that has settled in a wrong one stays in it: it begins
-// as the fingertips say and tilted from there.
-constexpr std::array<std::array<double, 2>, 5> kTilts_rad{
-    {{0, 0}, {0.4, 0}, {-0.4, 0}, {0, 0.4}, {0, -0.4}}};
+// Fingertips tell tilt badly, and whether a hand is small or its fingers are close together, and a
+// figure that has settled in a wrong one stays in it: it begins as the fingertips say, tilted from
+// there, and with its fingers almost side by side.
+struct Start {
+  std::array<double, 2> tilt_rad;
+  double closing;
+};
+constexpr std::array<Start, 6> kStarts{
+    {{{0, 0}, 0}, {{0.4, 0}, 0}, {{-0.4, 0}, 0}, {{0, 0.4}, 0}, {{0, -0.4}, 0}, {{0, 0}, 0.7}}};
 // Two planar solutions that end this near to each other are one.
 constexpr double kSame_rad = 0.1;
 // Less likely than the best by so many nats: given up.
@@ -83,6 +89,14 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   sigma[kAbductionAt] = sigma[kFlexionAt] = moves * motion.thumb_sigma_rad;
   sigma[kBoundaryAt] = motion.boundary_sigma_px;
   prior.information = sigma.array().square().inverse().matrix().asDiagonal();
+  // Fingers close and open together far more than each turns alone.
+  using Abductions = Eigen::Matrix<double, kFingerCount, 1>;
+  const Abductions together =
+      moves * motion.closing_sigma * Eigen::Map<const Abductions>(kClosing_rad.data());
+  Eigen::Matrix<double, kFingerCount, kFingerCount> abduction = together * together.transpose();
+  abduction.diagonal() += sigma.segment<kFingerCount>(kAbductionAt).array().square().matrix();
+  prior.information.block<kFingerCount, kFingerCount>(kAbductionAt, kAbductionAt) =
+      abduction.llt().solve(Eigen::Matrix<double, kFingerCount, kFingerCount>::Identity());
   prior.information.bottomRightCorner<kFigureModes, kFigureModes>() = person.information();
   return prior;
 }
@@ -151,11 +165,15 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   for (const Face face : {Face::palm, Face::back}) {
     if (config.user.side && side_of(face, candidate.layout) != *config.user.side) continue;
     const HandFigure figure = make_figure(person.mean(), face, candidate.layout);
-    for (const auto& tilt_rad : kTilts_rad) {
-      const HandPrior prior = prior_at(start_pose(tips, figure, camera, tilt_rad));
+    for (const auto& [tilt_rad, closing] : kStarts) {
+      Posture posture;
+      for (int f = 0; f < kFingerCount; ++f) posture.abduction_rad[f] = closing * kClosing_rad[f];
+      const HandPrior prior =
+          prior_at(start_pose(tips, pose_fingers(figure, posture).tips_m, camera, tilt_rad));
       Hypothesis h;
       h.appearance = {face, candidate.layout};
       h.alignment.state = prior.mean;
+      h.alignment.state.posture = posture;
       h.alignment.valid = true;
       settle(h, prior, kRoughly);
       keep_distinct(h);

@@ -17,19 +17,20 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 constexpr double kTilt_rad = 0.35;
 constexpr double kNearest_m = 0.05, kFarthest_m = 5.0;
 
-/// Facing the camera: the similarity that lays the figure's fingertips on the rays.
-Eigen::Isometry3d facing(const RoughTips& tips, const HandFigure& figure, const Camera& camera) {
+/// Facing the camera: the similarity that lays the hand's fingertips on the rays.
+Eigen::Isometry3d facing(const RoughTips& tips, const HandFigure::Tips& tips_m,
+                         const Camera& camera) {
   Eigen::Vector2d mean_hand = Eigen::Vector2d::Zero(), mean_ray = Eigen::Vector2d::Zero();
   std::array<Eigen::Vector2d, kFingerCount> rays;
   for (int f = 0; f < kFingerCount; ++f) {
     rays[f] = camera.unproject(tips.px[f]);
     mean_ray += rays[f] / kFingerCount;
-    mean_hand += figure.tips_m.col(f).head<2>() / kFingerCount;
+    mean_hand += tips_m.col(f).head<2>() / kFingerCount;
   }
   // The camera's y points down, the hand's up: x to x, y to -y, turned by an angle.
   double c = 0, s = 0, size = 0;
   for (int f = 0; f < kFingerCount; ++f) {
-    const Eigen::Vector2d h = figure.tips_m.col(f).head<2>() - mean_hand, a(h.x(), -h.y()),
+    const Eigen::Vector2d h = tips_m.col(f).head<2>() - mean_hand, a(h.x(), -h.y()),
                           b = rays[f] - mean_ray;
     c += a.dot(b);
     s += a.x() * b.y() - a.y() * b.x();
@@ -49,10 +50,10 @@ Eigen::Isometry3d facing(const RoughTips& tips, const HandFigure& figure, const 
 
 }  // namespace
 
-Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure& figure, const Camera& camera,
-                             const std::array<double, 2>& tilt_rad) noexcept {
-  Eigen::Isometry3d start = facing(tips, figure, camera);
-  const Eigen::Vector3d middle = figure.tips_m.rowwise().mean(), before = start * middle;
+Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure::Tips& tips_m,
+                             const Camera& camera, const std::array<double, 2>& tilt_rad) noexcept {
+  Eigen::Isometry3d start = facing(tips, tips_m, camera);
+  const Eigen::Vector3d middle = tips_m.rowwise().mean(), before = start * middle;
   start.linear() *= so3::exp(Eigen::Vector3d(tilt_rad[0], tilt_rad[1], 0)).toRotationMatrix();
   start.translation() += before - start * middle;
   Eigen::Isometry3d T = start;
@@ -65,8 +66,7 @@ Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure& figure, co
     Matrix6d H = 1e-9 * Matrix6d::Identity();
     Vector6d g = Vector6d::Zero();
     for (int f = 0; f < kFingerCount; ++f) {
-      const Eigen::Vector3d turned = T.linear() * figure.tips_m.col(f),
-                            p = turned + T.translation();
+      const Eigen::Vector3d turned = T.linear() * tips_m.col(f), p = turned + T.translation();
       if (p.z() < kNearest_m) return start;
       Eigen::Matrix<double, 2, 3> J_point;
       const Eigen::Vector2d error = tips.px[f] - camera.project(p, &J_point);

@@ -15,11 +15,11 @@ struct RoughTips {
   double sigma_px = 10;
 };
 
-/// The pose of a hand that faces the camera, but for a tilt about its x and y axis, as far as its
-/// rough fingertips allow: they tell place, size and direction well, tilt badly, so tilt has a
-/// prior.
-Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure& figure, const Camera& camera,
-                             const std::array<double, 2>& tilt_rad) noexcept;
+/// The pose of a hand, with its fingertips at `tips_m`, that faces the camera, but for a tilt about
+/// its x and y axis, as far as its rough fingertips allow: they tell place, size and direction
+/// well, tilt badly, so tilt has a prior.
+Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure::Tips& tips_m,
+                             const Camera& camera, const std::array<double, 2>& tilt_rad) noexcept;
 
 /// The other pose in which a plane looks nearly the same: its normal mirrored at the line of sight.
 Eigen::Isometry3d other_planar_solution(const Eigen::Isometry3d& T_camera_hand) noexcept;

@@ -23,6 +23,7 @@ struct MotionConfig {
   double translation_sigma_m = 0.06;  ///< the same
   double posture_s = 0.15;            ///< about as long a finger keeps its turn and its bend
   double abduction_sigma_rad = 0.09;  ///< of a finger's turn about the person's rest posture
+  double closing_sigma = 0.25;        ///< of how far all close together, 1 is side by side
   double flexion_sigma_rad = 0.073;   ///< of a finger's bend
   double thumb_sigma_rad = 0.2;       ///< of both for the thumb, which moves twice as far
   double boundary_sigma_px = 0.3;     ///< change of the outline's offset in a frame

@@ -52,6 +52,11 @@ struct PosedFigure {
 /// the joint after it.
 PosedFigure pose_fingers(const HandFigure& figure, const Posture& posture) noexcept;
 
+/// How fingers turn when those of an average hand at rest, all apart, come to lie side by side
+/// (abduction, radians): the four by the angles between them and the middle finger, the thumb to
+/// the edge of the palm.
+inline constexpr std::array<double, kFingerCount> kClosing_rad{-0.6, -0.27, 0, 0.23, 0.54};
+
 /// Triples of spheres; the third is -1 where a hull has two.
 std::span<const std::array<std::int8_t, 3>> figure_hulls() noexcept;
 
