@@ -89,7 +89,7 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   sigma[kAbductionAt] = sigma[kFlexionAt] = moves * motion.thumb_sigma_rad;
   sigma[kBoundaryAt] = motion.boundary_sigma_px;
   prior.information = sigma.array().square().inverse().matrix().asDiagonal();
-  // Fingers close and open together far more than each turns alone.
+  // Besides turning each for itself, fingers close and open together.
   using Abductions = Eigen::Matrix<double, kFingerCount, 1>;
   const Abductions together =
       moves * motion.closing_sigma * Eigen::Map<const Abductions>(kClosing_rad.data());

@@ -403,13 +403,12 @@ None without a hand.)")
       .def_property_readonly(
           "gesture", [](const TrackResult& r) { return name(r.gesture); },
           "What the fingers do, for a tenth of a second at least: 'open' (outstretched, or not "
-          "known "
-          "to do anything else), 'fist' (all closed) or 'four' (the thumb folded into the palm).")
+          "known to do anything else), 'fist' (all closed) or 'four' (the thumb folded into the "
+          "palm).")
       .def_property_readonly(
           "gesture_event", [](const TrackResult& r) { return name_or_none(r.gesture_event); },
           "What this frame completed: 'grab' (an open hand has closed), 'release' (it has opened, "
-          "or "
-          "is no longer seen), 'click' (the thumb has been folded in) or None.")
+          "or is no longer seen), 'click' (the thumb has been folded in) or None.")
       .def_property_readonly(
           "held_pose", [=](const TrackResult& r) { return or_none(r.held_pose, transform); },
           R"(T_camera_hand of the palm while fingers are folded, shape (4, 4), metres, or None.
