@@ -213,12 +213,16 @@ void annotate(cv::Mat& bgr, const HandMask& mask, const Camera& camera, const Tr
 
 void draw_lines(cv::Mat& bgr, const std::vector<std::string>& lines) {
   const Pen pen = pen_for(bgr);
-  const int step = pen.thick(24), width = pen.thick(170);
+  const int step = pen.thick(24), margin = pen.thick(14);
+  constexpr double kSize = 0.48;
+  int width = 0;
+  for (const std::string& line : lines)
+    width = std::max(width, pen.size_of(line, kSize).width + 2 * margin);
   const int height = step * (static_cast<int>(lines.size()) + 1) - step / 3;
   cv::Mat panel = bgr(cv::Rect(0, 0, std::min(width, bgr.cols), std::min(height, bgr.rows)));
   panel *= 0.35;
   for (std::size_t i = 0; i < lines.size(); ++i)
-    pen.text(lines[i], {pen.thick(14), step * (static_cast<int>(i) + 1)}, 0.48, kWhite);
+    pen.text(lines[i], {margin, step * (static_cast<int>(i) + 1)}, kSize, kWhite);
 }
 
 }  // namespace handyar

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "find/constellation.hpp"
 #include "find/network.hpp"
 #include "image/pixel_reader.hpp"
 
@@ -12,117 +13,19 @@ namespace {
 
 using Network = FinderNetwork;
 
-constexpr int kMostCandidates = 4;
-// A palm whose log odds are less is no candidate.
-constexpr float kLeastOdds = -2.5f;
 // Of one sample at most so many pixels a side are read: in large frames every second or third.
 constexpr int kMostReads = 4;
-// Two palms nearer than this share of a span are one hand.
-constexpr float kSameHand = 0.35f;
-// A fingertip's own map moves it by at most this share of the span from where the palm expects it.
-constexpr float kReach = 0.22f;
 // The second look takes in so many spans around the hand.
 constexpr float kSecondLook = 2.6f;
-// Candidates less likely than this are not looked at again.
-constexpr float kWorthALook = -4.0f;
-
-float sigmoid(float x) { return 1 / (1 + std::exp(-x)); }
-
-/// Maps of a run of the network, cell by cell.
-class Maps {
- public:
-  explicit Maps(std::span<const float> numbers) : numbers_(numbers) {}
-
-  bool covers(int x, int y) const {
-    return x >= 0 && y >= 0 && x < Network::kCellsX && y < Network::kCellsY;
-  }
-  float at(int map, int x, int y) const {
-    return numbers_[(y * Network::kCellsX + x) * Network::kOutputs + map];
-  }
-
-  /// The largest of a cell and its neighbours; of equals the first.
-  bool peaks(int map, int x, int y) const {
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) {
-        if (!covers(x + dx, y + dy)) continue;
-        const float other = at(map, x + dx, y + dy), here = at(map, x, y);
-        const bool before = dy < 0 || (dy == 0 && dx < 0);
-        if (before ? other >= here : other > here) return false;
-      }
-    return true;
-  }
-
-  /// The middle of a peak between its cells.
-  Eigen::Vector2f centre(int map, int x, int y) const {
-    Eigen::Vector2f sum = Eigen::Vector2f::Zero();
-    float total = 0;
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) {
-        if (!covers(x + dx, y + dy)) continue;
-        const float weight = sigmoid(at(map, x + dx, y + dy));
-        sum += weight * Eigen::Vector2f(dx, dy);
-        total += weight;
-      }
-    return Eigen::Vector2f(x, y) + sum / std::max(total, 1e-6f);
-  }
-
- private:
-  std::span<const float> numbers_;
-};
-
-/// A fingertip by its own map, near where the palm expects it.
-void refine_tip(const Maps& maps, int finger, float reach, HandCandidate& hand) {
-  const int map = Network::kTips + finger;
-  const Eigen::Vector2f expected = hand.tips_px[finger];
-  const auto from = [&](float v) { return static_cast<int>(std::floor(v - reach)); };
-  const auto to = [&](float v) { return static_cast<int>(std::ceil(v + reach)); };
-  float best = 0;
-  int best_x = -1, best_y = -1;
-  for (int y = from(expected.y()); y <= to(expected.y()); ++y)
-    for (int x = from(expected.x()); x <= to(expected.x()); ++x) {
-      if (!maps.covers(x, y)) continue;
-      const float off = (Eigen::Vector2f(x, y) - expected).norm() / reach;
-      const float support = sigmoid(maps.at(map, x, y)) * std::max(0.0f, 1 - 0.5f * off * off);
-      if (off > 1.5f || support <= best) continue;
-      best = support;
-      best_x = x;
-      best_y = y;
-    }
-  hand.tip_confidence[finger] = best;
-  constexpr float kSure = 0.15f;
-  if (best > kSure) hand.tips_px[finger] = maps.centre(map, best_x, best_y);
-}
-
-/// The candidate of a palm, in cells.
-HandCandidate read_candidate(const Maps& maps, int palm, int x, int y) {
-  HandCandidate hand;
-  hand.layout = palm == 0 ? Layout::thumb_right : Layout::thumb_left;
-  hand.palm_px = maps.centre(palm, x, y);
-  for (int f = 0; f < kFingerCount; ++f) {
-    const Eigen::Vector2f offset(maps.at(Network::kOffsets + 2 * f, x, y),
-                                 maps.at(Network::kOffsets + 2 * f + 1, x, y));
-    hand.tips_px[f] = Eigen::Vector2f(x, y) + Network::kOffsetUnit * offset;
-  }
-  const float reach = std::max(1.5f, kReach * hand.span_px());
-  float confidence = 0;
-  for (int f = 0; f < kFingerCount; ++f) {
-    refine_tip(maps, f, reach, hand);
-    confidence += hand.tip_confidence[f] / kFingerCount;
-  }
-  hand.log_odds = Network::log_odds(maps.at(palm, x, y), confidence);
-  return hand;
-}
 
 }  // namespace
 
 struct HandFinder::Impl {
   Network network;
-  std::array<HandCandidate, kMostCandidates> candidates;
-  int count = 0;
+  HandCandidates candidates;
   int turn = 0;  ///< of the parts, which one is next
 
   void sample(const ImageView& frame, const FinderRegion& region) noexcept;
-  void offer(const HandCandidate& hand) noexcept;
   void look(const ImageView& frame, const FinderRegion& region) noexcept;
 };
 
@@ -132,7 +35,7 @@ HandFinder::HandFinder(HandFinder&&) noexcept = default;
 HandFinder& HandFinder::operator=(HandFinder&&) noexcept = default;
 
 void HandFinder::reset() noexcept {
-  impl_->count = 0;
+  impl_->candidates.clear();
   impl_->turn = 0;
 }
 
@@ -168,57 +71,34 @@ void HandFinder::Impl::sample(const ImageView& frame, const FinderRegion& region
     }
 }
 
-/// Keeps the likeliest, each hand once.
-void HandFinder::Impl::offer(const HandCandidate& hand) noexcept {
-  for (int i = 0; i < count; ++i) {
-    HandCandidate& known = candidates[i];
-    const float span = std::max(known.span_px(), hand.span_px());
-    if (known.layout != hand.layout || (known.palm_px - hand.palm_px).norm() > kSameHand * span)
-      continue;
-    if (hand.log_odds > known.log_odds) known = hand;
-    return;
-  }
-  if (count < kMostCandidates) {
-    candidates[count++] = hand;
-  } else {
-    auto worst = std::min_element(candidates.begin(), candidates.end(),
-                                  [](auto& a, auto& b) { return a.log_odds < b.log_odds; });
-    if (worst->log_odds < hand.log_odds) *worst = hand;
-  }
-}
-
 void HandFinder::Impl::look(const ImageView& frame, const FinderRegion& region) noexcept {
   sample(frame, region);
-  const Maps maps(network.run());
+  HandCandidates there;
+  read_constellations(FinderMaps(network.run()), there);
   const float cell_px = region.width_px / Network::kCellsX;
   const Eigen::Vector2f first =
       region.centre_px - 0.5f * cell_px * Eigen::Vector2f(Network::kCellsX, Network::kCellsY);
   const auto to_frame = [&](const Eigen::Vector2f& cells) -> Eigen::Vector2f {
     return first + cell_px * (cells + Eigen::Vector2f::Constant(0.5f));
   };
-  for (int palm = 0; palm < 2; ++palm)
-    for (int y = 0; y < Network::kCellsY; ++y)
-      for (int x = 0; x < Network::kCellsX; ++x) {
-        if (maps.at(palm, x, y) < kLeastOdds || !maps.peaks(palm, x, y)) continue;
-        HandCandidate hand = read_candidate(maps, palm, x, y);
-        hand.palm_px = to_frame(hand.palm_px);
-        for (Eigen::Vector2f& tip : hand.tips_px) tip = to_frame(tip);
-        offer(hand);
-      }
-  std::sort(candidates.begin(), candidates.begin() + count,
-            [](const auto& a, const auto& b) { return a.log_odds > b.log_odds; });
+  for (HandCandidate hand : there.items()) {
+    hand.palm_px = to_frame(hand.palm_px);
+    for (Eigen::Vector2f& tip : hand.tips_px) tip = to_frame(tip);
+    candidates.offer(hand);
+  }
+  candidates.sort();
 }
 
 std::span<const HandCandidate> HandFinder::look(const ImageView& frame,
                                                 const FinderRegion& region) noexcept {
-  impl_->count = 0;
+  impl_->candidates.clear();
   impl_->look(frame, region);
-  return {impl_->candidates.data(), static_cast<std::size_t>(impl_->count)};
+  return impl_->candidates.items();
 }
 
 std::span<const HandCandidate> HandFinder::search(const ImageView& frame) noexcept {
   Impl& finder = *impl_;
-  finder.count = 0;
+  finder.candidates.clear();
   const Eigen::Vector2f size(static_cast<float>(frame.width_px),
                              static_cast<float>(frame.height_px));
   const Eigen::Vector2f middle = 0.5f * size - Eigen::Vector2f::Constant(0.5f);
@@ -233,15 +113,16 @@ std::span<const HandCandidate> HandFinder::search(const ImageView& frame) noexce
     const Eigen::Vector2f off = Eigen::Vector2f(part[0], part[1]).cwiseProduct(size);
     finder.look(frame, {middle + off, 0.5f * whole});
   }
-  const HandCandidate best = finder.candidates[0];
-  if (finder.count > 0 && best.log_odds > kWorthALook) {
+  if (const auto found = finder.candidates.items(); !found.empty()) {
+    const HandCandidate best = found[0];
     Eigen::Vector2f around = best.palm_px;
     for (const Eigen::Vector2f& tip : best.tips_px) around += tip;
     finder.look(frame, {around / (1 + kFingerCount), kSecondLook * best.span_px()});
   }
+  const auto found = finder.candidates.items();
   // Where a hand is likely the next frame is searched in the same way.
-  if (finder.count == 0 || finder.candidates[0].log_odds < 0) ++finder.turn;
-  return {finder.candidates.data(), static_cast<std::size_t>(finder.count)};
+  if (found.empty() || found[0].log_odds < 0) ++finder.turn;
+  return found;
 }
 
 }  // namespace handyar

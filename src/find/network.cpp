@@ -177,10 +177,6 @@ FinderNetwork::FinderNetwork()
   }
 }
 
-float FinderNetwork::log_odds(float palm, float tip_support) noexcept {
-  return kFinderOdds[0] + kFinderOdds[1] * palm + kFinderOdds[2] * tip_support;
-}
-
 std::span<const float> FinderNetwork::run() noexcept {
   Reader weights{weights_.data()};
   const float* stem_weights = weights.take(27 * 16);

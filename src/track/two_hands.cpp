@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+
 #include "track/tracker_state.hpp"
 
 namespace handyar {
@@ -19,8 +21,13 @@ void HandTracker::Impl::share_view(Impl* with) noexcept {
 
 bool HandTracker::Impl::is_of_other(const HandCandidate& candidate) const noexcept {
   if (other == nullptr || other->in_view() == nullptr) return false;
+  Eigen::Vector2f among_tips_px = Eigen::Vector2f::Zero();
+  for (const Eigen::Vector2f& tip_px : candidate.tips_px) among_tips_px += tip_px / kFingerCount;
+  // Where fingers are half closed the palm is ill told by their tips, which then lie about it.
   const auto distance = [&](const Followed& its) {
-    return (candidate.palm_px - its.palm_px).norm() / its.size_px;
+    return std::min((candidate.palm_px - its.palm_px).norm(),
+                    (among_tips_px - its.palm_px).norm()) /
+           its.size_px;
   };
   Hypothesis open = *other->in_view();  // as large as when its fingers are not folded
   open.alignment.state.posture = {};

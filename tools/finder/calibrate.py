@@ -1,55 +1,103 @@
 # SPDX-License-Identifier: MIT
-"""Fits the log odds of a candidate: calibrate.py finder.pt --data SET --names hands... [--count 6000]
+"""Fits what a hand is by the network's maps: calibrate.py finder.pt ../../src/find/constellation_statistics.inc --data SET
 
-Runs the network on fresh training pictures, takes candidates as src/find/hand_finder.cpp does and
-fits a logistic function of a palm's score and of its fingertips' mean support to whether all five
-tips are within a quarter of the span. Prints the three numbers that export.py wants.
+Runs the network on fresh training pictures, reads hands from its maps as src/find/constellation.cpp
+does, and fits a logistic function of the palm's score, the fingertips' scores and how they lie to
+each other (constellation.py) to whether all five are within a quarter of the span.
 """
 import argparse
+import itertools
 
 import numpy as np
 import torch
 
-from network import CELLS_X, CELLS_Y, OFFSET_UNIT, OFFSETS, Finder
-from samples import Samples, palm_of, thumb_right
+from constellation import FINGERS, as_source, constellations
+from network import CELLS_X, CELLS_Y, STRIDE, Finder
+from samples import PALM_BY_TIPS, Samples, palm_of, thumb_right
 from train import as_input
 
-STRIDE = 4
-LEAST, REACH = -2.5, 0.22
-OTHER_ROOMS = 1.2  # real rooms hold so many times more that is like a hand than these pictures do
+MOST_PEAKS, LEAST_TIP = 5, -4.0
+FREEDOM = 6.0  # of Student's distribution of constellations
+LEAST_SPAN = 3.0  # cells
+MOST_CANDIDATES, SAME_HAND = 4, 0.35
+# Real rooms hold so many times more that is like a hand than these pictures do, and of hands that
+# count or grasp, which lack a finger, so many times more again.
+OTHER_ROOMS, OTHER_HANDS = 2.4, 2.0
 
 
 def sigmoid(x):
     return 1 / (1 + np.exp(-x))
 
 
-def candidates(maps):
-    """(palm score, mean support, layout, tips in cells) of each peak."""
-    for palm in range(2):
-        m = maps[palm]
-        padded = np.pad(m, 1, constant_values=-99)
-        around = np.max([padded[1 + dy:1 + dy + CELLS_Y, 1 + dx:1 + dx + CELLS_X]
-                         for dy in (-1, 0, 1) for dx in (-1, 0, 1) if dy or dx], 0)
-        for y, x in zip(*np.nonzero((m >= LEAST) & (m > around))):
-            tips = np.array([x, y]) + OFFSET_UNIT * maps[OFFSETS][:, y, x].reshape(5, 2)
-            reach = max(1.5, REACH * np.linalg.norm(tips[0] - tips[4]))
-            support = []
-            for f in range(5):
-                ys, xs = np.mgrid[0:CELLS_Y, 0:CELLS_X]
-                off = np.hypot(xs - tips[f, 0], ys - tips[f, 1]) / reach
-                s = np.where(off <= 1.5, sigmoid(maps[2 + f]) * np.maximum(0, 1 - 0.5 * off ** 2), 0)
-                best = np.unravel_index(s.argmax(), s.shape)
-                support.append(s[best])
-                if s[best] > 0.15:
-                    tips[f] = best[1], best[0]
-            yield m[y, x], np.mean(support), palm, tips
+def peaks(m):
+    """The likeliest peaks of a map: places (complex, between cells) and logits."""
+    padded = np.pad(m, 1, constant_values=-99)
+    around = [padded[1 + dy:1 + dy + CELLS_Y, 1 + dx:1 + dx + CELLS_X] for dy in (-1, 0, 1) for dx in (-1, 0, 1)]
+    weight = np.array([sigmoid(a) for a in around])
+    dx, dy = np.tile([-1, 0, 1], 3)[:, None, None], np.repeat([-1, 0, 1], 3)[:, None, None]
+    y, x = np.nonzero((m >= LEAST_TIP) & (m >= np.max(around, 0)))
+    best = np.argsort(-m[y, x], kind='stable')[:MOST_PEAKS]
+    y, x = y[best], x[best]
+    total = weight.sum(0)
+    z = x + (weight * dx).sum(0)[y, x] / total[y, x] + 1j * (y + (weight * dy).sum(0)[y, x] / total[y, x])
+    return z, m[y, x]
 
 
-def is_hand(palm, tips, hands):
+def readings(maps, models):
+    """(palm logit, fingertips' logits, distance, whether one is missing, layout, tips, palm) of all hands that the peaks can be."""
+    found = [peaks(maps[2 + f]) for f in range(FINGERS)]
+    out = []
+    for layout in range(2):
+        mirror = (lambda z: z) if layout == 0 else (lambda z: -z.conj())
+        around = np.max([np.pad(maps[layout], 1, constant_values=-8)[1 + dy:1 + dy + CELLS_Y, 1 + dx:1 + dx + CELLS_X]
+                         for dy in (-1, 0, 1) for dx in (-1, 0, 1)], 0)
+        for missing, model in enumerate(models):
+            choices = [range(len(found[f][0])) if f != missing else [-1] for f in range(FINGERS)]
+            combos = np.array(list(itertools.product(*choices)))
+            if not len(combos):
+                continue
+            z = np.stack([mirror(found[f][0][combos[:, f]]) if f != missing else np.zeros(len(combos), complex) for f in range(FINGERS)], 1)
+            logit = sum(found[f][1][combos[:, f]] for f in range(FINGERS) if f != missing)
+            gone = np.full(len(combos), float(missing < FINGERS))
+            with np.errstate(all='ignore'):
+                d2, z = model.read(z)
+            z = mirror(z)
+            tips = np.stack([z.real, z.imag], 2)
+            palm = np.einsum('f,nfk->nk', PALM_BY_TIPS, tips)
+            ok = np.isfinite(tips).all((1, 2)) & np.isfinite(d2)
+            at = np.rint(np.where(np.isfinite(palm), palm, -99)).astype(int)
+            inside = ok & (at >= 0).all(1) & (at < [CELLS_X, CELLS_Y]).all(1)
+            score = np.full(len(z), -8.0)
+            score[inside] = around[at[inside, 1], at[inside, 0]]
+            ok &= np.linalg.norm(tips[:, 0] - tips[:, 4], axis=1) > LEAST_SPAN
+            out.append((score[ok], logit[ok], d2[ok], gone[ok], np.full(ok.sum(), layout), tips[ok], palm[ok]))
+    return [np.concatenate(c) for c in zip(*out)] if out else None
+
+
+def features(score, logit, d2, gone):
+    return np.stack([np.ones(len(score)), score, logit, np.log1p(d2 / FREEDOM), gone], 1)
+
+
+def candidates(found, w):
+    """Of all readings the likeliest, each hand once."""
+    *parts, layout, tips, palm = found
+    X = features(*parts)
+    odds, kept = X @ w, []
+    for i in np.argsort(-odds)[:400]:
+        if any(layout[i] == layout[k] and np.linalg.norm(palm[i] - palm[k]) < SAME_HAND * max(np.linalg.norm(tips[j][0] - tips[j][4]) for j in (i, k))
+               for k in kept):
+            continue
+        kept.append(i)
+        if len(kept) == MOST_CANDIDATES:
+            break
+    return [(X[i], layout[i], tips[i]) for i in kept]
+
+
+def is_hand(layout, tips, hands):
     for true in hands:
         t = (true + 0.5) / STRIDE - 0.5
         limit = 0.25 * max(np.linalg.norm(t - palm_of(t), axis=1).max() * 1.4, 4)
-        if thumb_right(t) == (palm == 0) and (np.linalg.norm(t - tips, axis=1) < limit).all():
+        if thumb_right(t) == (layout == 0) and (np.linalg.norm(t - tips, axis=1) < limit).all():
             return True
     return False
 
@@ -57,29 +105,51 @@ def is_hand(palm, tips, hands):
 def main():
     ap = argparse.ArgumentParser()
     ap.add_argument('network')
+    ap.add_argument('out')
     ap.add_argument('--data', required=True)
     ap.add_argument('--names', nargs='+', default=['hands'])
-    ap.add_argument('--count', type=int, default=6000)
+    ap.add_argument('--count', type=int, default=3000)
     a = ap.parse_args()
+    torch.set_num_threads(1)
     net = Finder()
     net.load_state_dict(torch.load(a.network))
     net.eval()
-    samples, rows, labels = Samples(a.data, a.names, 424242), [], []
+    models = constellations(a.data, a.names)
+    samples, pictures = Samples(a.data, a.names, 424242), []
+    w = np.array([5.0, 1.2, 0.36, -1.4, -1.8])
     for _ in range(a.count):
         picture, hands = samples.sample()
         with torch.no_grad():
             maps = net(as_input(torch.from_numpy(picture)[None]))[0].numpy()
-        for score, support, palm, tips in candidates(maps):
-            rows.append((1, score, support))
-            labels.append(is_hand(palm, tips, hands))
-    X, y = np.array(rows), np.array(labels, float)
-    weight = np.where(y > 0, 1, OTHER_ROOMS)
-    w = np.zeros(3)
-    for _ in range(50):  # Newton
+        found = readings(maps, models)
+        if found is not None:
+            best = np.argsort(-(features(*found[:4]) @ w))[:300]
+            pictures.append(([c[best] for c in found], hands))
+    for _ in range(4):
+        rows, labels = [], []
+        for found, hands in pictures:
+            for x, layout, tips in candidates(found, w):
+                rows.append(x)
+                labels.append(is_hand(layout, tips, hands))
+        X, y = np.array(rows), np.array(labels, float)
+        weight = np.where(y > 0, 1, OTHER_ROOMS * np.where(X[:, -1] > 0, OTHER_HANDS, 1))
+        for _ in range(50):  # Newton
+            p = sigmoid(X @ w)
+            H = (X * (weight * p * (1 - p))[:, None]).T @ X + 1e-3 * np.eye(len(w))
+            w += np.linalg.solve(H, X.T @ (weight * (y - p)) - 1e-3 * w)
         p = sigmoid(X @ w)
-        H = (X * (weight * p * (1 - p))[:, None]).T @ X + 1e-3 * np.eye(3)
-        w += np.linalg.solve(H, X.T @ (weight * (y - p)) - 1e-3 * w)
-    print(int(y.sum()), 'of', len(y), 'candidates are hands; log odds', ','.join('%.4f' % v for v in w))
+        print(int(y.sum()), 'of', len(y), 'candidates are hands; log odds', ','.join('%.4f' % v for v in w),
+              'log loss %.4f' % -np.mean(np.where(y > 0, np.log(p), np.log(1 - p))), flush=True)
+    with open(a.out, 'w') as f:
+        f.write('// SPDX-License-Identifier: MIT\n// Made by tools/finder/calibrate.py; do not edit.\n\n'
+                '// Fingertips without each of them, and all.\n'
+                'constexpr std::array<Constellation, kFingerCount + 1> kConstellations{{\n%s}};\n'
+                '// The palm by the fingertips.\n'
+                'constexpr std::array<float, kFingerCount> kPalmOfTips{%s};\n'
+                '// Log odds of a hand: constant, by the palm\'s log odds, by the sum of the fingertips\',\n'
+                '// by the logarithm of their constellation\'s likelihood, by one being missing.\n'
+                'constexpr std::array<float, 5> kOdds{%s};\n'
+                % (''.join(map(as_source, models)), *(', '.join('%.4g' % v for v in t) for t in (PALM_BY_TIPS, w))))
 
 
 if __name__ == '__main__':

@@ -33,7 +33,6 @@ def main():
     net = Finder()
     net.load_state_dict(torch.load(sys.argv[1]))
     net.eval()
-    odds = [float(x) for x in sys.argv[3].split(',')] if len(sys.argv) > 3 else [0.0, 1.0, 0.0]
     weights, scales, table = [], [], []
     for w, b in blocks(net):
         q, s = quantised(w)
@@ -59,8 +58,6 @@ def main():
         f.write('/// Scales of a block, then its biases.\ninline constexpr float kFinderScales[] = {\n%s};\n'
                 % lines(scales, lambda x: '%.7ef' % x))
         f.write('inline constexpr std::int8_t kFinderWeights[] = {\n%s};\n' % lines(weights, str))
-        f.write('// Log odds of a hand: constant, by the palm\'s logit, by the mean support of its fingertips.\n'
-                'inline constexpr float kFinderOdds[] = {%s};\n' % ', '.join('%.4ff' % o for o in odds))
     print(len(weights), 'weights,', len(scales) // 2, 'scales')
 
 

@@ -10,10 +10,9 @@ import torch.nn.functional as F
 
 WIDTH, HEIGHT, STRIDE = 160, 120, 4
 CELLS_X, CELLS_Y = WIDTH // STRIDE, HEIGHT // STRIDE
-# Maps: a palm with the thumb right, left; the tips; x and y of each tip from the palm.
-PALMS, TIPS, OFFSETS = slice(0, 2), slice(2, 7), slice(7, 17)
-OUTPUTS = 17
-OFFSET_UNIT = 8.0  # cells: what an output of 1 means
+# Maps: a palm with the thumb right, left; the tips.
+PALMS, TIPS = slice(0, 2), slice(2, 7)
+OUTPUTS = 7
 
 CHANNELS = (16, 32, 64, 96)
 
@@ -52,8 +51,7 @@ class Finder(nn.Module):
         self.up1 = nn.Conv2d(c, b, 1)
         self.join1 = nn.Sequential(Separable(b, b, 5), Separable(b, b, 5))
         self.head = nn.Conv2d(b, OUTPUTS, 1)
-        nn.init.constant_(self.head.bias, 0)
-        nn.init.constant_(self.head.bias[0:7], -4.0)
+        nn.init.constant_(self.head.bias, -4.0)
 
     def forward(self, x):
         x = F.relu(self.stem_norm(self.stem(x)))

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Specs of training hands: a renderer's random hands in the postures that its own seeds lack.
 
-  postures.py FOLDER_OF_MKRANDOM FIRST LAST --out specs [--frames 24] [--together]
+  postures.py FOLDER_OF_MKRANDOM FIRST LAST --out specs [--frames 24] [--together | --closed]
 
-Fingers close or wide apart (--together: side by side, as most people hold them), the thumb along the palm or far from it, fingers bent, palms tilted
-by up to 65 degrees. Seeds up to 100 and above 1000 are others' (building, reporting, kept aside).
+Fingers close or wide apart (--together: side by side, as most people hold them), the thumb along
+the palm or far from it, fingers bent, palms tilted by up to 65 degrees. --closed: fists and, every
+second, hands with the thumb folded in, which the finder learns to leave alone. Seeds up to 100 and
+above 1000 are others' (building, reporting, kept aside).
 """
 import argparse
 import json
@@ -21,6 +23,7 @@ def main():
     ap.add_argument('last', type=int)
     ap.add_argument('--frames', type=int, default=24)
     ap.add_argument('--together', action='store_true')
+    ap.add_argument('--closed', action='store_true')
     ap.add_argument('--out', required=True)
     a = ap.parse_args()
     sys.path.insert(0, a.mkrandom)
@@ -37,6 +40,8 @@ def main():
         thumb = r.uniform(-32, 12)
         az['1'] = [round(v + thumb * w, 1) for v, w in zip(az['1'], (1, 0.9, 0.8))]
         spec['live'] = dict(abd=[1, 5], flex=[3, 22], freq=[0.5, 1.2], tremor=0.25, min_gap=-1.0 if a.together else 2.0)
+        if a.closed:
+            spec['live']['events'] = [['four' if seed % 2 else 'fist', -1.0, 60.0]]
         spec['traj'].update(tilt=round(r.uniform(15, 65), 1), roll=round(r.uniform(10, 60), 1), freq=[0.6, 1.5])
         spec['render'].update(spp=8, mblur=0)
         spec.update(kind='inspect', name='postures/%04d' % seed)

@@ -5,7 +5,7 @@ import os
 import cv2
 import numpy as np
 
-from network import CELLS_X, CELLS_Y, HEIGHT, OFFSET_UNIT, OFFSETS, OUTPUTS, PALMS, STRIDE, TIPS, WIDTH
+from network import CELLS_X, CELLS_Y, HEIGHT, OUTPUTS, PALMS, STRIDE, TIPS, WIDTH
 
 CLOSED, OPEN, WHOLE = 0, 1, 2
 
@@ -20,12 +20,14 @@ def thumb_right(tips):
     return sum(c[k, 0] * c[k + 1, 1] - c[k, 1] * c[k + 1, 0] for k in range(4)) < 0
 
 
+# The palm by the fingertips: where the affine map that takes an average hand's to them has it.
+# Mirrored hands have the same.
+PALM_BY_TIPS = np.append(MODEL_PALM, 1) @ np.linalg.pinv(np.column_stack([MODEL_TIPS, np.ones(5)]))
+
+
 def palm_of(tips):
-    """Where the palm is by the affine map that takes an average hand's fingertips to these."""
-    flip = np.array([1 if thumb_right(tips) else -1, 1])
-    A = np.column_stack([MODEL_TIPS * flip, np.ones(5)])
-    X = np.linalg.lstsq(A, tips, rcond=None)[0]
-    return np.append(MODEL_PALM * flip, 1) @ X
+    """Where the palm of five fingertips is."""
+    return PALM_BY_TIPS @ tips
 
 
 class Pack:
@@ -65,7 +67,7 @@ class Samples:
         r = self.rng
         x = bgr.astype(np.float32) / 255
         x = np.power(np.maximum(x, 1e-4), np.exp(r.normal(0, 0.3 * strong)))
-        x *= np.exp(r.normal(0, 0.25 * strong) + r.normal(0, 0.1 * strong, 3)).astype(np.float32)
+        x *= np.exp(r.normal(0, 0.25 * strong) + r.normal(0, 0.15 * strong, 3)).astype(np.float32)
         grey = x.mean(2, keepdims=True)
         x = grey + (x - grey) * np.float32(np.exp(r.normal(0, 0.25 * strong)))
         return np.clip(x, 0, 1) * 255
@@ -140,8 +142,8 @@ class Samples:
     def finish(self, x):
         """What cameras do: light, blur, noise, compression."""
         r = self.rng
-        if r.random() < 0.3:
-            x = self.recolour(x, 0.5)
+        if r.random() < 0.4:
+            x = self.recolour(x, 0.7)
         if r.random() < 0.2:
             x = cv2.GaussianBlur(x, (0, 0), r.uniform(0.4, 1.3))
         if r.random() < 0.08:
@@ -190,8 +192,8 @@ class Samples:
         size = np.linalg.norm(tips - palm, axis=1).max() * 1.4  # about the span, whatever the tilt
         around = (r.uniform(10, WIDTH - 10), r.uniform(8, HEIGHT - 8))
         M = self.placing(0.5 * (palm + tips.mean(0)), size, around, least, most)
-        if pack.more['kinds'][i] == OPEN and r.random() < 0.15:  # light before the window, dark hand, or the reverse
-            canvas *= r.uniform(1.2, 2.0) if r.random() < 0.6 else r.uniform(0.25, 0.7)
+        if pack.more['kinds'][i] == OPEN and r.random() < 0.25:  # a dark hand before a window, a hand lit in a dark room
+            canvas *= r.uniform(1.2, 2.0) if r.random() < 0.5 else r.uniform(0.1, 0.7)
             np.clip(canvas, 0, 255, out=canvas)
         self.paste(canvas, picture, M, 0.33)
         return [self.hand_tips(M, tips)]
@@ -201,7 +203,6 @@ class Samples:
         y, x = np.mgrid[0:CELLS_Y, 0:CELLS_X]
         target = np.zeros((OUTPUTS, CELLS_Y, CELLS_X), np.float32)
         weight = np.ones((OUTPUTS, CELLS_Y, CELLS_X), np.float32)
-        weight[OFFSETS] = 0
         for tips in hands:
             t = (tips + 0.5) / STRIDE - 0.5
             palm = palm_of(t)
@@ -219,10 +220,4 @@ class Samples:
             target[at] = np.maximum(target[at], spot)
             for f in range(5):
                 target[2 + f] = np.maximum(target[2 + f], bump(t[f]))
-            core = spot > 0.5
-            for f in range(5):
-                target[OFFSETS][2 * f][core] = ((t[f, 0] - x) / OFFSET_UNIT)[core]
-                target[OFFSETS][2 * f + 1][core] = ((t[f, 1] - y) / OFFSET_UNIT)[core]
-                for k in (2 * f, 2 * f + 1):
-                    weight[OFFSETS][k][core] = 1 / max(span / OFFSET_UNIT, 0.3)
         return target, weight

@@ -7,7 +7,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from network import OFFSETS, PALMS, TIPS, Finder
+from network import PALMS, TIPS, Finder
 from samples import Samples
 
 
@@ -43,9 +43,7 @@ def heat_loss(logits, target, weight):
 def loss_of(out, target, weight):
     palms = heat_loss(out[:, PALMS], target[:, PALMS], weight[:, PALMS])
     tips = heat_loss(out[:, TIPS], target[:, TIPS], weight[:, TIPS])
-    w = weight[:, OFFSETS]
-    offsets = (w * (out[:, OFFSETS] - target[:, OFFSETS]).abs()).sum() / w.sum().clamp(min=1)
-    return palms + 0.3 * tips + 2 * offsets, (palms.item(), tips.item(), offsets.item())
+    return palms + tips, (palms.item(), tips.item())
 
 
 def main():
@@ -67,7 +65,7 @@ def main():
     mean.load_state_dict(net.state_dict())
     optimiser = torch.optim.AdamW(net.parameters(), lr=a.rate, weight_decay=1e-4)
     loader = torch.utils.data.DataLoader(Stream(a.data, a.names, a.seed), a.batch, num_workers=a.workers, prefetch_factor=4)
-    begun, step, seen, sums = time.time(), 0, 0, np.zeros(3)
+    begun, step, seen, sums = time.time(), 0, 0, np.zeros(2)
     for pictures, target, weight in loader:
         done = (time.time() - begun) / (60 * a.minutes)
         if done >= 1:
@@ -88,8 +86,7 @@ def main():
                 m.copy_(keep * m + (1 - keep) * n if m.is_floating_point() else n)
         if step % 200 == 0:
             t = time.time() - begun
-            print(f'{t / 60:5.1f} min {seen} samples {seen / t:.0f}/s palms {sums[0] / 200:.3f} tips {sums[1] / 200:.3f} '
-                  f'offsets {sums[2] / 200:.3f}', flush=True)
+            print(f'{t / 60:5.1f} min {seen} samples {seen / t:.0f}/s palms {sums[0] / 200:.3f} tips {sums[1] / 200:.3f}', flush=True)
             sums[:] = 0
             torch.save(mean.state_dict(), a.out)
     torch.save(mean.state_dict(), a.out)

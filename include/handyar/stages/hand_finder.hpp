@@ -17,7 +17,7 @@ struct HandCandidate {
   float log_odds = 0;  ///< of an open hand there against none
   Eigen::Vector2f palm_px = Eigen::Vector2f::Zero();
   std::array<Eigen::Vector2f, kFingerCount> tips_px{};  ///< rough: to some hundredths of the span
-  std::array<float, kFingerCount> tip_confidence{};     ///< 0 to 1
+  std::array<float, kFingerCount> tip_confidence{};     ///< 0 to 1; 0: by the others alone
 
   /// Distance from thumb tip to little fingertip, pixels.
   float span_px() const noexcept { return (tips_px[0] - tips_px[4]).norm(); }
