@@ -11,6 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "gltf.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/quiet_standard_error.hpp"
 #include "handyar/render/model.hpp"
@@ -59,6 +60,7 @@ cv::Mat read_texture(const aiScene& scene, const aiMaterial& material, const fs:
                       CV_8UC4, embedded->pcData);
     if (image.empty()) fail(model, "its embedded texture cannot be read");
   } else {
+    if (name.length == 0) fail(model, "has a texture without a picture");
     const fs::path file = model.parent_path() / name.C_Str();
     image = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
     if (image.empty()) fail(model, "its texture " + file.string() + " cannot be read");
@@ -136,11 +138,24 @@ bool has_broken_face(const aiScene& scene) {
   return false;
 }
 
+// Of what is drawn, at all times.
+bool all_finite(const Model& model) {
+  return std::all_of(model.meshes.begin(), model.meshes.end(), [](const Mesh& mesh) {
+    const auto finite = [](const Eigen::Vector3f& position) { return position.allFinite(); };
+    return std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                       [&](const Vertex& v) { return finite(v.position); }) &&
+           std::all_of(mesh.moments.begin(), mesh.moments.end(), [&](const Mesh::Moment& moment) {
+             return std::all_of(moment.positions.begin(), moment.positions.end(), finite);
+           });
+  });
+}
+
 }  // namespace
 
 Model load_model(const fs::path& path) {
   if (!std::ifstream(path)) fail(path, "no such model (a file, or one of: teapot, bunny)");
   if (is_ply_cut_short(path)) fail(path, "breaks off: its header states more than there is");
+  check_gltf(path);
   Assimp::Importer importer;
   // Points and lines have no surface: they are dropped.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
@@ -169,8 +184,8 @@ Model load_model(const fs::path& path) {
       model.meshes[i].moments.push_back(moment(*uses[i].mesh, *uses[i].node, places));
   }
   std::erase_if(model.meshes, [](const Mesh& mesh) { return mesh.indices.empty(); });
-  const Eigen::AlignedBox3f box = model.bounds();
-  if (model.meshes.empty() || !(box.sizes().maxCoeff() > 0) || !box.sizes().allFinite())
+  if (!all_finite(model)) fail(path, "has a corner that is, or moves to, no finite place");
+  if (model.meshes.empty() || !(model.bounds().sizes().maxCoeff() > 0))
     fail(path, "holds no surface to draw");
   return model;
 }

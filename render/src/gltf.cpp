@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "gltf.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "handyar/io/json.hpp"
+
+namespace handyar::render {
+namespace {
+
+using io::Json;
+
+/// assimp and what draws go down into both by recursion.
+constexpr int kDeepestJson = 100, kDeepestNode = 250;
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& path) : path_(path.string()) {}
+
+  void check(std::string_view text) const {
+    bool deep = false;
+    const auto look = [&](int depth, Json::parse_event_t, const Json&) {
+      deep = deep || depth > kDeepestJson;
+      return !deep;
+    };
+    try {
+      const Json root = Json::parse(text, look);
+      if (deep) fail("its JSON is nested too deeply");
+      check_nodes(list(root, "nodes"));
+      for (const Json& skin : list(root, "skins")) check_skin(skin, list(root, "accessors"));
+      for (const Json& image : list(root, "images")) check_image(image);
+    } catch (const Json::exception& e) {
+      fail("is not valid glTF: " + io::fault_of(e));
+    }
+  }
+
+  /// The JSON in a binary file.
+  std::string_view first_chunk(std::string_view bytes) const {
+    constexpr std::size_t kHeader = 20;  // magic, version, length; length and kind of the chunk
+    if (bytes.size() < kHeader || number(bytes, 8) > bytes.size() ||
+        number(bytes, 12) > bytes.size() - kHeader)
+      fail("breaks off: its header states more than there is");
+    return bytes.substr(kHeader, number(bytes, 12));
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& fault) const { throw io::Error(path_, fault); }
+
+  static std::uint32_t number(std::string_view bytes, std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 4; i-- > 0;) value = value << 8 | static_cast<std::uint8_t>(bytes[at + i]);
+    return value;
+  }
+
+  static const Json& list(const Json& in, const char* key) {
+    static const Json none = Json::array();
+    const auto found = in.find(key);
+    return found != in.end() && found->is_array() ? *found : none;  // in glTF 1 some are objects
+  }
+
+  void check_nodes(const Json& nodes) const {
+    std::vector<int> heights(nodes.size(), 0);
+    for (std::size_t i = 0; i < nodes.size(); ++i) height(nodes, i, 1, heights);
+  }
+
+  /// How many hang on one another from a node down; `heights` holds those known, and 0.
+  int height(const Json& nodes, std::size_t which, int depth, std::vector<int>& heights) const {
+    if (heights[which] > 0) return heights[which];
+    int below = 0;
+    if (depth <= kDeepestNode)
+      for (const Json& child : list(nodes[which], "children"))
+        if (child.is_number_unsigned() && child < nodes.size())
+          below = std::max(below, height(nodes, child.get<std::size_t>(), depth + 1, heights));
+    if (depth + below > kDeepestNode)
+      fail("its nodes hang on one another in a ring, or more than " + std::to_string(kDeepestNode) +
+           " deep");
+    return heights[which] = below + 1;
+  }
+
+  void check_skin(const Json& skin, const Json& accessors) const {
+    const std::size_t which = skin.value("inverseBindMatrices", accessors.size());
+    if (which >= accessors.size()) fail("has a skin without inverseBindMatrices");
+    const Json& matrices = accessors[which];
+    if (matrices.value("type", "") != "MAT4" ||
+        matrices.value("count", std::size_t{0}) < list(skin, "joints").size())
+      fail("has a skin with fewer inverseBindMatrices than joints");
+  }
+
+  void check_image(const Json& image) const {
+    const std::string kind = image.value("mimeType", "image/");
+    if (kind.find('/') == std::string::npos)
+      fail("has an image whose mimeType is \"" + kind + "\"");
+  }
+
+  std::string path_;
+};
+
+}  // namespace
+
+void check_gltf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const int first = (file >> std::ws).peek();
+  if (first != '{' && first != 'g') return;
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const Reader reader(path);
+  if (first == '{')
+    reader.check(bytes);
+  else if (bytes.starts_with("glTF"))
+    reader.check(reader.first_chunk(bytes));
+}
+
+}  // namespace handyar::render
