@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -37,7 +38,7 @@ class WorldCsv {
  public:
   explicit WorldCsv(const std::string& path) : file_(path), stream_(file_.path()) {
     put("frame,time_s,state,qw,qx,qy,qz,tx_m,ty_m,tz_m,points,inliers,rms_px,sigma_rotation_rad,"
-        "sigma_translation_m");
+        "sigma_translation_m,hindrance");
   }
   void write(std::int64_t frame, double time_s, const world::WorldResult& world) {
     io::CsvRow row;
@@ -54,6 +55,10 @@ class WorldCsv {
     } else {
       row.empty(12);
     }
+    if (world.hindrance)
+      row.text(world::name(*world.hindrance));
+    else
+      row.empty(1);
     put(row.take());
   }
   void finish() {
@@ -75,19 +80,37 @@ class WorldCsv {
   std::ofstream stream_;
 };
 
-// What the person is to do, or to wait for.
-std::vector<std::string> advice(world::WorldState state) {
-  switch (state) {
+// What the person is to do so that the hand sets the frame.
+std::string advice(world::Hindrance hindrance) {
+  switch (hindrance) {
+    case world::Hindrance::no_hand:
+      return "lay the open hand down";
+    case world::Hindrance::unsure:
+      return "the hand is not seen well: spread the fingers";
+    case world::Hindrance::tilted:
+      return "the hand is seen from the side: look down on it";
+    case world::Hindrance::bare:
+      return "too little to see around the hand";
+    case world::Hindrance::moving:
+      return "the hand moves: keep still";
+    case world::Hindrance::off_ground:
+      break;
+  }
+  return "the hand is in the air: lay it down";
+}
+
+// What the person is to do, or to wait for; nothing once the world is there.
+std::string advice(const world::WorldResult& world) {
+  switch (world.state) {
     case world::WorldState::none:
-      return {"lay the open hand down"};
     case world::WorldState::setting:
-      return {"keep still"};
+      return world.hindrance ? advice(*world.hindrance) : "keep still";
     case world::WorldState::tracked:
-      return {};
+      return "";
     case world::WorldState::lost:
       break;
   }
-  return {"looking for the world"};
+  return "looking for the world";
 }
 
 bool there(const std::string& file) { return !file.empty() && std::filesystem::exists(file); }
@@ -118,6 +141,8 @@ class WorldRun {
     world_ = tracker_->process(bgr, result.time_s, world::HandInWorld::of(hands, result));
     ++frames_;
     tracked_ += world_.state == world::WorldState::tracked;
+    if (world_.hindrance && world_.hindrance != world::Hindrance::no_hand)
+      ++hindered_[*world_.hindrance];
     if (poses_) poses_->write(frame, result.time_s, world_);
     if (events_) tell_changes(frame, result.time_s);
     if (stage_)
@@ -127,7 +152,7 @@ class WorldRun {
 
   void draw(cv::Mat& bgr, const Camera& camera, const AnyTracker& hands) {
     stage_->draw(bgr, camera, hands);
-    if (const auto lines = advice(world_.state); !lines.empty()) draw_lines(bgr, lines);
+    if (const std::string line = advice(world_); !line.empty()) draw_lines(bgr, {line});
   }
 
   void add_object() { stage_->add_next(); }
@@ -145,7 +170,7 @@ class WorldRun {
   }
 
   std::string describe() const {
-    if (!tracker_ || !tracker_->map()) return "no world: the open hand never lay still";
+    if (!tracker_ || !tracker_->map()) return "no world: " + why_none();
     const auto map = tracker_->map();
     return "world in " + std::to_string(tracked_) + " of " + std::to_string(frames_) + " frames, " +
            std::to_string(map->points.size()) + " points, " +
@@ -174,6 +199,15 @@ class WorldRun {
       tracker_.emplace(camera, mapping);
   }
 
+  std::string why_none() const {
+    if (hindered_.empty()) return "no open hand was seen";
+    const auto& [hindrance, frames] =
+        *std::max_element(hindered_.begin(), hindered_.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; });
+    return advice(hindrance) + " (in " + std::to_string(frames) + " of " + std::to_string(frames_) +
+           " frames)";
+  }
+
   void tell_changes(std::int64_t frame, double time_s) {
     const bool tracked = world_.state == world::WorldState::tracked;
     if (tracked == told_) return;
@@ -192,6 +226,7 @@ class WorldRun {
   std::optional<world::WorldTracker> tracker_;
   world::WorldResult world_;
   std::int64_t frames_ = 0, tracked_ = 0;
+  std::map<world::Hindrance, std::int64_t> hindered_;  // a hand that is there: frames
   bool told_ = false;
 };
 

@@ -19,6 +19,9 @@ import tempfile
 
 import numpy as np
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
+from rendered import write_camera
+
 FINGERS = ['thumb', 'index', 'middle', 'ring', 'little']
 FPS = 30
 
@@ -36,11 +39,7 @@ def rotation_of(w, x, y, z):
 
 
 def write_inputs(truth, camera_file, hand_file):
-    K = truth['K']
-    with open(camera_file, 'w') as file:
-        file.write('%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n'
-                   f'   rows: 3\n   cols: 3\n   dt: d\n   data: [ {K[0][0]}, 0., {K[0][2]}, 0., {K[1][1]}, {K[1][2]}, 0., 0., 1. ]\n'
-                   'distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data: [ 0., 0., 0., 0., 0. ]\n')
+    write_camera(truth, camera_file)
     # The back of the hand is seen; a right hand's truth is that of its palm.
     left = truth['hand_side'] == 'L'
     face = np.array([1, 1, 1] if left else [-1, 1, -1]) / 1000

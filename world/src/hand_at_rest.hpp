@@ -20,6 +20,11 @@ class HandAtRest {
   Rest update(const Picture& picture, double time_s, const HandInWorld& hand, const cv::Mat& free,
               const Camera& camera);
 
+  /// What the last attempt failed for, until the hand has lain still for a while again.
+  std::optional<Hindrance> hindrance() const { return hindrance_; }
+  /// The hand has lain, but that was not enough.
+  void reject(Hindrance why) { hindrance_ = why; }
+
  private:
   struct Start {
     Picture picture;
@@ -27,12 +32,14 @@ class HandAtRest {
     Eigen::Isometry3d T_camera_hand;
     std::vector<cv::Point2f> corners_px;
   };
-  bool begin(const Picture& picture, double time_s, const HandInWorld& hand, const cv::Mat& free);
-  bool still(const Picture& picture, const HandInWorld& hand, const cv::Mat& free,
-             const Camera& camera);
+  std::optional<Hindrance> begin(const Picture& picture, double time_s, const HandInWorld& hand,
+                                 const cv::Mat& free, const Camera& camera);
+  std::optional<Hindrance> go_on(const Picture& picture, const HandInWorld& hand,
+                                 const cv::Mat& free, const Camera& camera);
 
   std::optional<Start> start_;
   std::vector<cv::Point2f> now_px_;  // where the corners are
+  std::optional<Hindrance> hindrance_ = Hindrance::no_hand;
 };
 
 }  // namespace handyar::world

@@ -53,6 +53,24 @@ std::string_view name(WorldState state) noexcept {
   return "lost";
 }
 
+std::string_view name(Hindrance hindrance) noexcept {
+  switch (hindrance) {
+    case Hindrance::no_hand:
+      return "no_hand";
+    case Hindrance::unsure:
+      return "unsure";
+    case Hindrance::tilted:
+      return "tilted";
+    case Hindrance::bare:
+      return "bare";
+    case Hindrance::moving:
+      return "moving";
+    case Hindrance::off_ground:
+      break;
+  }
+  return "off_ground";
+}
+
 struct WorldTracker::Impl {
   Impl(const Camera& of, Mapping mapping) : camera(of), worker(mapping) {}
 
@@ -113,15 +131,19 @@ WorldResult WorldTracker::Impl::process(const cv::Mat& bgr, double time_s,
 
 void WorldTracker::Impl::set_frame(double time_s, const HandInWorld& hand, WorldResult& result) {
   const HandAtRest::Rest rest = at_rest_.update(picture_, time_s, hand, free_, camera);
+  result.hindrance = at_rest_.hindrance();
   if (rest == HandAtRest::Rest::no) return;
   result.state = WorldState::setting;
   if (rest == HandAtRest::Rest::lying) return;
-  auto first = first_map(picture_.grey, free_, camera, hand);
-  if (!first) return;
-  adopt(std::make_shared<const WorldMap>(std::move(*first)));
-  const auto seen = look(*map, picture_, free_, {camera, *hand.T_camera_hand}, kGoOn);
+  std::optional<Seen> seen;
+  if (auto first = first_map(picture_.grey, free_, camera, hand)) {
+    adopt(std::make_shared<const WorldMap>(std::move(*first)));
+    seen = look(*map, picture_, free_, {camera, *hand.T_camera_hand}, kGoOn);
+  }
   if (!seen) {
     map.reset();
+    at_rest_.reject(Hindrance::bare);
+    result.hindrance = at_rest_.hindrance();
     return;
   }
   last_keyframe_s_ = time_s;

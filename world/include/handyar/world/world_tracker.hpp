@@ -23,6 +23,18 @@ enum class WorldState : std::uint8_t {
 };
 [[nodiscard]] std::string_view name(WorldState state) noexcept;
 
+/// Why the hand has not set the frame.
+enum class Hindrance : std::uint8_t {
+  no_hand,
+  unsure,     ///< a hand is seen, but its pose is not to be relied on
+  tilted,     ///< looked at from the side: what it lies on would not be seen
+  bare,       ///< too few corners around it
+  moving,     ///< against its surroundings
+  off_ground  ///< they are still, but lie deeper than the plane under the hand
+};
+/// The word for files: as the enumerator is written.
+[[nodiscard]] std::string_view name(Hindrance hindrance) noexcept;
+
 /// The hand in a frame, as the world needs it.
 struct HandInWorld {
   HandMask mask;  ///< where it hides the world; width 0: nowhere
@@ -44,6 +56,7 @@ struct HandInWorld {
 /// The world as one frame shows it.
 struct WorldResult {
   WorldState state = WorldState::none;
+  std::optional<Hindrance> hindrance;  ///< while there is no frame, unless all goes well
   std::optional<Eigen::Isometry3d> T_camera_world;  ///< while tracked
   int points = 0;   ///< of the map, that should have been seen in this frame
   int inliers = 0;  ///< of them, seen where the pose says
