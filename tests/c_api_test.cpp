@@ -167,6 +167,8 @@ TEST(CApi, TellsWhatTheFingersDo) {
   watch(test::kFist, 20);
   EXPECT_EQ(both.result.gesture, HANDYAR_FIST);
   EXPECT_TRUE(both.result.has_held_pose);
+  double T[4][4];
+  EXPECT_EQ(handyar_get_attachment(both.tracker.get(), HANDYAR_AT_PALM, T), HANDYAR_OK);
   watch({}, 20);
   EXPECT_EQ(events, (std::vector<handyar_gesture_event>{HANDYAR_GRAB, HANDYAR_RELEASE}));
 }

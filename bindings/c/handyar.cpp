@@ -445,7 +445,7 @@ handyar_status handyar_get_attachment(const handyar_tracker* tracker, handyar_at
   if (tracker == nullptr || T_hand_object == nullptr || where < HANDYAR_AT_FACE ||
       where >= handyar::kAttachmentCount)
     return HANDYAR_BAD_ARGUMENT;
-  if (!tracker->last.pose) return HANDYAR_NO_HAND;
+  if (!tracker->last.pose && !tracker->last.held_pose) return HANDYAR_NO_HAND;
   write(T_hand_attachment(static_cast<handyar::Attachment>(where), tracker->tracker.hand(),
                           tracker->last),
         T_hand_object);

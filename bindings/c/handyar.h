@@ -295,9 +295,10 @@ HANDYAR_API size_t handyar_get_outline(const handyar_tracker* tracker, float* xy
 /* The person's hand as far as it was learned, in the layout last tracked. */
 HANDYAR_API handyar_status handyar_get_hand(const handyar_tracker* tracker, handyar_hand* hand);
 
-/* The frame of an object that stands there, in the hand frame of the last frame's pose: +z up, away
- * from the hand, for a fingertip along the finger; +x, which models look along, towards the wrist,
- * for a fingertip out of the visible face. HANDYAR_NO_HAND when the last frame has no pose. */
+/* The frame of an object that stands there, in the hand frame of the last frame's pose or held pose:
+ * +z up, away from the hand, for a fingertip along the finger; +x, which models look along, towards
+ * the wrist, for a fingertip out of the visible face. HANDYAR_NO_HAND when the last frame has
+ * neither. */
 HANDYAR_API handyar_status handyar_get_attachment(const handyar_tracker* tracker,
                                                   handyar_attachment where,
                                                   double T_hand_object[4][4]);

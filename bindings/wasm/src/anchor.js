@@ -2,6 +2,7 @@
 import { Group, Matrix4, Quaternion, Vector3 } from 'three';
 
 import { PLACES } from './memory.js';
+import { steadyPose } from './pose.js';
 
 const LOST_AFTER_s = 0.2;
 const GLIDE_s = 0.5;
@@ -36,12 +37,12 @@ export class Anchor {
     return this.#followed;
   }
 
-  /** What a picture showed. A pose in doubt moves nothing. */
+  /** What a picture showed. A pose in doubt moves nothing; on a hand that closes the palm leads. */
   take(tracked, now_s) {
-    const { pose, doubtful } = tracked.result;
+    const pose = steadyPose(tracked.result);
     const T_hand_object = tracked.places[this.#place];
     this.#target = null;
-    if (!T_hand_object || doubtful) return;
+    if (!T_hand_object || !pose) return;
     const T_gl_model = new Matrix4().fromArray(pose.T_gl_hand)
       .multiply(new Matrix4().fromArray(T_hand_object)).multiply(R_object_model);
     this.#target = {

@@ -163,7 +163,7 @@ export class HandTracker {
   /**
    * The frame of an object that stands there, in the hand's frame, as of the last picture; moves with
    * the finger. +z is up: away from the hand, for a fingertip along the finger; +x towards the wrist,
-   * for a fingertip out of the visible face. null without a pose.
+   * for a fingertip out of the visible face. null without a pose or held pose.
    */
   T_hand_object(place: Place): Float64Array | null;
 
@@ -189,7 +189,7 @@ export interface Tracked {
   frame: VideoFrame;
   result: Result;
   mask: Mask | null;
-  /** T_hand_object of the wanted places; empty without a pose. */
+  /** T_hand_object of the wanted places; empty without a pose or held pose. */
   places: Partial<Record<Place, Float64Array>>;
   /** Of pictures of this size. */
   camera: Camera;

@@ -31,6 +31,11 @@ export function predictPose(pose, time_s) {
   return { ...pose, time_s, T_camera_hand, T_gl_hand: toGl(T_camera_hand) };
 }
 
+/** Where a result says that the hand is: as seen, or held while fingers are folded; null in doubt. */
+export function steadyPose({ pose, held_pose, doubtful }) {
+  return doubtful ? null : pose ?? held_pose ?? null;
+}
+
 /** WebGL's projection, column-major, of a camera without its distortion. */
 export function projectionMatrix(camera, near_m = 0.02, far_m = 10) {
   const { width_px: w, height_px: h, fx_px, fy_px, cx_px, cy_px } = camera;

@@ -6,8 +6,9 @@ import type { Camera as CameraModel, Hand, Options, Place, Pose, Tracked } from 
 /**
  * A place on the hand. What is put into `group` follows the hand: metres, +y up from the hand (for a
  * fingertip: along the finger), +z towards the wrist, so that a model with its feet at the origin
- * stands on the hand and looks at who holds it. When the hand is lost it stays where it was last and can be turned with the pointer;
- * when the hand is seen again it glides back within half a second. To hide it instead:
+ * stands on the hand and looks at who holds it. While the hand closes it stays on the palm. When the
+ * hand is lost it stays where it was last and can be turned with the pointer; when the hand is seen
+ * again it glides back within half a second. To hide it instead:
  * `anchor.onLost = () => { anchor.group.visible = false; }`.
  */
 export class Anchor {

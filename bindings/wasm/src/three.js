@@ -153,8 +153,9 @@ export class HandThree {
     const { frame, result, mask, camera } = tracked;
     this.#showPicture(frame, camera);
     for (const anchor of this.#anchors) anchor.take(tracked, now_s());
-    if (result.pose && mask) {
-      this.#surface.show(result.pose.T_gl_hand, mask, this.renderer.getDrawingBufferSize(new Vector2()));
+    const pose = result.pose ?? result.held_pose;
+    if (pose && mask) {
+      this.#surface.show(pose.T_gl_hand, mask, this.renderer.getDrawingBufferSize(new Vector2()));
       this.lamp.target.position.setFromMatrixPosition(this.#surface.matrix);
       this.lamp.position.addVectors(this.lamp.target.position, lamp_m);
     } else {

@@ -31,7 +31,8 @@ export interface WebXrHandOptions {
  *     await LiveTracker.start(video, { onFrame: (tracked) => hand.take(tracked) });
  *
  * The device's hand is where the real one is from the eyes, points along the fingers and has its back
- * up; it is connected while there is a pose to be relied on. How its fingers bend is the device's own.
+ * up; it is connected while there is a pose to be relied on, and while it closes, where its palm is.
+ * How its fingers bend is the device's own.
  */
 export class WebXrHand {
   constructor(device: EmulatedDevice, options?: WebXrHandOptions);

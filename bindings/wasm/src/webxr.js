@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The hand before the camera as the hand of an emulated WebXR device. What everything means is said
 // in webxr.d.ts.
-import { multiply, quaternionOf, rigid } from './pose.js';
+import { multiply, quaternionOf, rigid, steadyPose } from './pose.js';
 
 // The device points along -z with +y up; a hand along +y with its visible face along +z. The back of
 // the hand is up, whichever face is seen.
@@ -22,10 +22,11 @@ export class WebXrHand {
     this.take({ result: { pose: null } });
   }
 
-  take({ result: { pose, doubtful, side, face } }) {
+  take({ result }) {
+    const { side, face } = result, pose = steadyPose(result);
     for (const name of ['left', 'right'])
-      this.#device.hands[name].connected = pose !== null && !doubtful && name === side;
-    if (!pose || doubtful || !side) return;
+      this.#device.hands[name].connected = pose !== null && name === side;
+    if (!pose || !side) return;
     const { position, quaternion } = this.#device;
     const T_world_camera = multiply(rigid(position, quaternion), this.#T_eyes_camera);
     const T_world_ray = multiply(multiply(T_world_camera, pose.T_gl_hand), T_hand_ray[face]);

@@ -11,7 +11,7 @@ const answers = {
   process({ frame, time_s, places }) {
     try {
       const result = tracker.process(frame, time_s);
-      const known = result.pose ? places.map((place) => [place, tracker.T_hand_object(place)]) : [];
+      const known = result.pose ?? result.held_pose ? places.map((place) => [place, tracker.T_hand_object(place)]) : [];
       return {
         result, mask: tracker.mask(), places: Object.fromEntries(known), camera: tracker.camera };
     } finally {

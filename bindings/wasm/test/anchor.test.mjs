@@ -60,6 +60,21 @@ test('a pose in doubt moves nothing', { skip }, () => {
   near(anchor.group.position, [0.1, -0.025, -0.4]);
 });
 
+test('on a hand that closes it stays on the palm, and is not lost', { skip }, () => {
+  const anchor = new Anchor('palm');
+  const told = [];
+  anchor.onLost = () => told.push('lost');
+  look(anchor, seen(0.1, 0.4), 0);
+  for (const now_s of [0.1, 0.5, 1]) {
+    const open = seen(0.1 + 0.1 * now_s, 0.4);
+    const { pose: held_pose } = open.result;
+    look(anchor, { ...open, result: { pose: null, held_pose, doubtful: false } }, now_s);
+    near(anchor.group.position, [0.1 + 0.1 * now_s, -0.025, -0.4]);
+  }
+  assert.ok(anchor.followed);
+  assert.deepEqual(told, []);
+});
+
 test('it is turned only while the hand is away, and glides back in half a second', { skip }, () => {
   const anchor = new Anchor('palm');
   look(anchor, seen(0, 0.4), 0);

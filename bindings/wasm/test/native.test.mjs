@@ -69,10 +69,13 @@ test('a closing hand and a folded thumb are told when the program tells them', {
   const tracker = await HandTracker.create();
   const told = [];
   alongClip('gesture/video.mp4', [], (picture, row) => {
-    const { gesture, gesture_event, pose, held_pose } = tracker.process(picture, Number(row.time_s));
+    const { gesture, gesture_event, pose, held_pose, side } = tracker.process(picture, Number(row.time_s));
     if (gesture_event) told.push([gesture_event, gesture]);
     assert.ok(!pose || !held_pose);
     if (gesture === 'fist') assert.ok(held_pose);
+    // What stands on the palm stays there meanwhile.
+    assert.equal(tracker.T_hand_object('palm') !== null, Boolean(pose ?? held_pose));
+    if (held_pose) assert.ok(side && tracker.mask());
   });
   assert.deepEqual(told, [['grab', 'fist'], ['release', 'open'], ['click', 'four']]);
 });

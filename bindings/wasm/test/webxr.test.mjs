@@ -59,6 +59,18 @@ test('a palm shown to a webcam is a hand before the eyes', { skip }, () => {
   assert.equal(device.hands.right.connected, false);
 });
 
+test('a hand that closes stays connected where its palm is', { skip }, () => {
+  const device = emulated();
+  const bridge = new WebXrHand(device, { facing: 'environment' });
+  bridge.take(seen('back', 'left'));
+  const { result } = seen('back', 'left');
+  const held_pose = { T_gl_hand: result.pose.T_gl_hand.map((x, i) => (i === 12 ? 0.2 : x)) };
+  const before_m = device.hands.left.position.x;
+  bridge.take({ result: { ...result, pose: null, held_pose } });
+  assert.equal(device.hands.left.connected, true);
+  assert.ok(Math.abs(device.hands.left.position.x - before_m - 0.1) < 1e-6);
+});
+
 test('a hand seen over the shoulder, in doubt no more', { skip }, () => {
   const device = emulated();
   device.position.set(0, 1.6, 0);
