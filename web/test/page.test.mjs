@@ -67,6 +67,9 @@ test('a phone has room for it', { skip }, () => withPage({ camera, ...phone }, a
   await page.tap('#calibrate');
   await assertFits(page);
   await page.screenshot({ path: artefact('phone_calibration.png') });
+  const { top, height } = await page.evaluate(() => ({
+    top: document.getElementById('calibration').getBoundingClientRect().top, height: innerHeight }));
+  assert.ok(top > 0.5 * height, `the panel leaves the upper half to the hand, but begins at ${top} of ${height}`);
 }));
 
 test('held sideways it leaves the middle to the hand', { skip }, () =>
