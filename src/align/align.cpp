@@ -8,6 +8,7 @@
 
 #include "align/boundary_line.hpp"
 #include "align/outline_colors.hpp"
+#include "align/palm_texture.hpp"
 #include "align/silhouette.hpp"
 #include "image/pixel_reader.hpp"
 #include "pose/so3.hpp"
@@ -22,6 +23,8 @@ constexpr std::array<float, 9> kSegments{4, 4, 4, 3, 2, 2, 1, 1, 1};
 constexpr double kStep_m = 0.00075;
 // What is visible changes little from step to step: it is looked at anew after so many.
 constexpr std::size_t kChosenFor = 4;
+// The palm's texture takes part in so many steps, the last: it reaches no farther than its cells.
+constexpr std::size_t kTextureSteps = 2;
 
 /// How far from the outline the lines of an iteration reach.
 double line_reach_m(std::size_t iteration) {
@@ -110,6 +113,7 @@ HandVector HandState::difference(const HandState& other) const noexcept {
 struct Aligner::Impl {
   AlignConfig config;
   OutlineColors colors;
+  PalmTexture texture;
   Silhouette::Anchors anchors;
   int anchor_count = 0;
   std::array<OutlinePoint, Silhouette::kMaxAnchors> outline;
@@ -131,7 +135,16 @@ Aligner::~Aligner() = default;
 Aligner::Aligner(Aligner&&) noexcept = default;
 Aligner& Aligner::operator=(Aligner&&) noexcept = default;
 
-void Aligner::forget() noexcept { impl_->colors.forget(); }
+void Aligner::forget() noexcept {
+  impl_->colors.forget();
+  impl_->texture.forget();
+}
+
+void Aligner::learn_texture(const ImageView& frame, const Camera& camera, Appearance appearance,
+                            const Alignment& alignment, double blend, double views) noexcept {
+  impl_->texture.learn(frame, camera, appearance, alignment, blend, views);
+}
+
 std::span<const OutlinePoint> Aligner::outline() const noexcept {
   return {impl_->outline.data(), static_cast<std::size_t>(impl_->outline_count)};
 }
@@ -175,6 +188,8 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   }
   if (outline_count < kLeastLines) return false;
   const HandVector off = a.state.difference(prior.mean), pull = prior.information * off;
+  if (iteration + kTextureSteps >= kSegments.size())
+    texture.pull(frame, camera, appearance, a.state.T_camera_hand, H, g);
   H += prior.information;
   g += pull;
   a.information = H;

@@ -59,6 +59,14 @@ class PixelReader {
     return {byte(luma + 409 * cr), byte(luma - 100 * cb - 208 * cr), byte(luma + 516 * cb)};
   }
 
+  /// Luma, 0 to 255, between the four pixels around a place.
+  float luma(float x, float y) const noexcept {
+    const int left = static_cast<int>(x), top = static_cast<int>(y);
+    const float a = x - static_cast<float>(left), b = y - static_cast<float>(top);
+    return (1 - b) * ((1 - a) * luma(left, top) + a * luma(left + 1, top)) +
+           b * ((1 - a) * luma(left, top + 1) + a * luma(left + 1, top + 1));
+  }
+
   ColorBin bin(int x, int y) const noexcept {
     const auto [first, second, third] = numbers(x, y);
     return bytes_ != 0 ? bin_of_rgb(first, second, third) : bin_of_ycbcr(first, second, third);
@@ -86,6 +94,11 @@ class PixelReader {
   }
 
  private:
+  float luma(int x, int y) const noexcept {
+    const auto [first, second, third] = numbers(x, y);
+    return bytes_ != 0 ? static_cast<float>(77 * first + 150 * second + 29 * third) / 256 : first;
+  }
+
   HANDYAR_ALWAYS_INLINE std::tuple<std::uint8_t, std::uint8_t, std::uint8_t> numbers(
       int x, int y) const noexcept {
     const std::uint8_t* row = frame_.data + y * frame_.stride_bytes;

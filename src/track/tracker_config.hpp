@@ -33,6 +33,7 @@ struct MotionConfig {
 struct LearningConfig {
   double colors_s = 0.15;  ///< colours on both sides of the outline fade this fast
   double person_s = 0.5;   ///< of seeing a hand count as one independent view of its figure
+  double texture_s = 1.0;  ///< the look of the palm's skin fades this fast
 };
 
 /// All settings of the tracker, a struct per stage, after what the user asked for.

@@ -273,8 +273,12 @@ void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
   const double keep = std::exp(-std::min(dt_s, 1.0) / config.learning.colors_s);
   aligner.learn(frame, camera, best.appearance, best.alignment.state, static_cast<float>(keep),
                 kMargin_m);
-  if (seen.hypotheses.size() == 1 && seen.state == State::tracking)
-    seen.person.learn(best.alignment, std::clamp(dt_s / config.learning.person_s, 0.0, 0.1));
+  if (seen.state == State::tracking) {
+    const double views = std::clamp(dt_s / config.learning.person_s, 0.0, 0.1);
+    aligner.learn_texture(frame, camera, best.appearance, best.alignment,
+                          std::min(dt_s / config.learning.texture_s, 1.0), views);
+    if (seen.hypotheses.size() == 1) seen.person.learn(best.alignment, views);
+  }
   learned_hand = hand_of_figure(seen.person.estimate(), best.appearance.layout);
   learned_hand.source = hand.scale_assumed() ? HandSource::self : hand.source;
   learned_hand.average_scale = hand.scale_assumed();

@@ -95,6 +95,11 @@ class Aligner {
   void learn(const ImageView& frame, const Camera& camera, Appearance appearance,
              const HandState& state, float keep, double margin_m) noexcept;
 
+  /// Takes what the skin of the palm looks like, for frames to come: `blend` is this frame's share
+  /// of it, and it counts for so many independent `views` of where the palm lies.
+  void learn_texture(const ImageView& frame, const Camera& camera, Appearance appearance,
+                     const Alignment& alignment, double blend, double views) noexcept;
+
   /// Of the inside of a part of a state's figure, a finger from its middle joint on or the palm
   /// (kFingerCount), the share that has the hand's colours; empty where most of it is out of the
   /// frame.
