@@ -281,6 +281,8 @@ void PalmTexture::learn(const ImageView& frame, const Camera& camera, Appearance
   const Eigen::Isometry3d T_camera_grid = T_camera_hand * T_hand_grid_;
   const Sight sight(frame, camera, surface_m_, T_camera_grid);
   const Pull seen = knows(appearance) ? compare(sight, T_camera_grid) : Pull{};
+  // Blurred or hidden in one frame, it is still known in the next.
+  if (!seen.valid && knows(appearance) && --frames_ > 0) return;
   if (!seen.valid) {
     frames_ = sight.whole ? 1 : 0;
     appearance_ = appearance;
@@ -290,8 +292,8 @@ void PalmTexture::learn(const ImageView& frame, const Camera& camera, Appearance
     return;
   }
   place(seen, alignment, views);
-  ++frames_;
-  const float share = std::max(static_cast<float>(blend), 1.0f / static_cast<float>(frames_));
+  frames_ = static_cast<int>(std::min(frames_ + 1.0, 1 / blend));
+  const float share = 1.0f / static_cast<float>(std::max(frames_, 1));
   for (int i = 0; i < kCells; ++i)
     texture_[i] += share * seen.weight[i] * seen.error[i] / seen.gain;
 }

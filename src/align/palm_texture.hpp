@@ -50,7 +50,7 @@ class PalmTexture {
   bool knows(Appearance appearance) const noexcept;
   Matrix6d place_information(const Eigen::Isometry3d& T_camera_hand) const noexcept;
 
-  int frames_ = 0;  ///< in which it was seen; 0: nothing is known
+  int frames_ = 0;  ///< in which it was seen, less those in which it was not; 0: nothing is known
   Appearance appearance_;
   Field texture_{};                   ///< luma over that of the surroundings
   std::array<Field, 3> surface_m_{};  ///< the grid on the figure's palm, hand frame
