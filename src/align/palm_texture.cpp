@@ -16,8 +16,7 @@ constexpr int kSide = PalmTexture::kSide, kCells = PalmTexture::kCells;
 using Field = PalmTexture::Field;
 
 // Neighbouring cells see the same skin and lie on the same wrong surface: so much of one's say is
-// its own. Four times more lets the surface's errors turn the hand, a quarter does little
-// (docs/tried.md).
+// its own. Five to ten times more lets the surface's errors turn the hand (docs/tried.md).
 constexpr double kCellWeight = 0.05;
 // Shading changes while a hand turns; texture is what differs from so many cells around.
 constexpr int kAround = 2;
