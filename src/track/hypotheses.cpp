@@ -172,6 +172,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
           prior_at(start_pose(tips, pose_fingers(figure, posture).tips_m, camera, tilt_rad));
       Hypothesis h;
       h.appearance = {face, candidate.layout};
+      h.person = person;
       h.alignment.state = prior.mean;
       h.alignment.state.posture = posture;
       h.alignment.valid = true;
@@ -196,13 +197,17 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   return count_ > 0;
 }
 
-bool Hypotheses::follow(const ImageView& frame, const Camera& camera, const Person& person,
-                        double dt_s, const TrackerConfig& config, Aligner& aligner) noexcept {
+void Hypotheses::learn_person(double share) noexcept {
+  for (Hypothesis& h : std::span(items_.data(), count_)) h.person.learn(h.alignment, share);
+}
+
+bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_s,
+                        const TrackerConfig& config, Aligner& aligner) noexcept {
   const double share = std::min(dt_s, kLongest_s) / kEvidence_s;
   for (int i = count_ - 1; i >= 0; --i) {  // the best last: its outline is the one to show
     Hypothesis& h = items_[i];
     const HandState before = h.alignment.state, expected = predicted(h, dt_s).alignment.state;
-    const HandPrior prior = prior_around(expected, person, dt_s, config);
+    const HandPrior prior = prior_around(expected, h.person, dt_s, config);
     h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kNear_m);
     if (!h.alignment.valid || h.alignment.log_ratio < kPoor)
       h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kFar_m);
@@ -219,12 +224,12 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, const Pers
   since_reconsidered_s_ += dt_s;
   if (since_reconsidered_s_ > kReconsider_s) {
     since_reconsidered_s_ = 0;
-    reconsider(frame, camera, person, config, aligner);
+    reconsider(frame, camera, config, aligner);
   }
   return count_ > 0;
 }
 
-void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, const Person& person,
+void Hypotheses::reconsider(const ImageView& frame, const Camera& camera,
                             const TrackerConfig& config, Aligner& aligner) noexcept {
   if (count_ != 1) return;
   const Hypothesis& now = items_[0];
@@ -239,8 +244,9 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, const 
   if (other_plane) start.T_camera_hand = other_planar_solution(start.T_camera_hand);
   Hypothesis alternative;
   alternative.appearance = appearance;
+  alternative.person = now.person;
   alternative.alignment = aligner.align(frame, camera, appearance, start,
-                                        prior_around(start, person, kLongAgo_s, config), kFar_m);
+                                        prior_around(start, now.person, kLongAgo_s, config), kFar_m);
   alternative.log_weight = now.log_weight + kReconsiderWeight;
   keep_distinct(alternative);
 }

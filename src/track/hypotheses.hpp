@@ -19,6 +19,7 @@ struct Hypothesis {
   Appearance appearance;
   Alignment alignment;
   Eigen::Matrix<double, 6, 1> velocity = Eigen::Matrix<double, 6, 1>::Zero();  ///< a second
+  Person person;                                                               ///< as it sees them
   double log_weight = 0;  ///< evidence so far, nats
 };
 
@@ -39,14 +40,17 @@ class Hypotheses {
              const Person& person, const TrackerConfig& config, Aligner& aligner) noexcept;
 
   /// Lays each on the next frame, weighs them, drops the unlikely. False when none can be seen.
-  bool follow(const ImageView& frame, const Camera& camera, const Person& person, double dt_s,
+  bool follow(const ImageView& frame, const Camera& camera, double dt_s,
               const TrackerConfig& config, Aligner& aligner) noexcept;
+
+  /// Each takes what its own figure says of the person; `share` of it is new.
+  void learn_person(double share) noexcept;
 
  private:
   /// Thinks again of the other face or the other planar solution, one at a time: colours and figure
   /// are better known than when they were given up, and hands turn over.
-  void reconsider(const ImageView& frame, const Camera& camera, const Person& person,
-                  const TrackerConfig& config, Aligner& aligner) noexcept;
+  void reconsider(const ImageView& frame, const Camera& camera, const TrackerConfig& config,
+                  Aligner& aligner) noexcept;
   /// Adds a way to see the hand, in the place of one that is nearly the same or of the least likely
   /// one where there is no room, unless these are likelier.
   void keep_distinct(const Hypothesis& hypothesis) noexcept;

@@ -14,6 +14,7 @@ class Person {
  public:
   using Information = Eigen::Matrix<double, kFigureModes, kFigureModes>;
 
+  Person() = default;  ///< anybody
   explicit Person(const FigureEstimate& known);
 
   const FigureCoefficients& mean() const { return mean_; }
@@ -26,8 +27,8 @@ class Person {
   void learn(const Alignment& alignment, double share) noexcept;
 
  private:
-  FigureCoefficients mean_;
-  Information information_;
+  FigureCoefficients mean_ = FigureCoefficients::Zero();
+  Information information_ = Information::Identity();
 };
 
 }  // namespace handyar

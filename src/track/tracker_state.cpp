@@ -99,7 +99,7 @@ FrameStatus HandTracker::Impl::admit(const ImageView& frame, double time_s) noex
 }
 
 void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
-  if (!seen.hypotheses.follow(frame, camera, seen.person, dt_s, config, aligner) ||
+  if (!seen.hypotheses.follow(frame, camera, dt_s, config, aligner) ||
       follows_hand_of_other())
     seen.hypotheses.clear();
 }
@@ -277,7 +277,8 @@ void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
     const double views = std::clamp(dt_s / config.learning.person_s, 0.0, 0.1);
     aligner.learn_texture(frame, camera, best.appearance, best.alignment,
                           std::min(dt_s / config.learning.texture_s, 1.0), views);
-    if (seen.hypotheses.size() == 1) seen.person.learn(best.alignment, views);
+    seen.hypotheses.learn_person(views);
+    seen.person = best.person;
   }
   learned_hand = hand_of_figure(seen.person.estimate(), best.appearance.layout);
   learned_hand.source = hand.scale_assumed() ? HandSource::self : hand.source;
