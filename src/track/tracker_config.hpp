@@ -32,7 +32,9 @@ struct MotionConfig {
 /// How fast what is seen is learned, in seconds.
 struct LearningConfig {
   double colors_s = 0.15;  ///< colours on both sides of the outline fade this fast
-  double person_s = 0.5;   ///< of seeing a hand count as one independent view of its figure
+  /// Of seeing a hand count as one independent view of its figure, in the first second; later this
+  /// share of the time that it has been seen: views come back, and the figure's errors with them.
+  double view_s = 0.1;
   double texture_s = 1.0;  ///< the look of the palm's skin fades this fast
 };
 

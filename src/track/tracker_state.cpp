@@ -274,7 +274,11 @@ void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
   aligner.learn(frame, camera, best.appearance, best.alignment.state, static_cast<float>(keep),
                 kMargin_m);
   if (seen.state == State::tracking) {
-    const double views = std::clamp(dt_s / config.learning.person_s, 0.0, 0.1);
+    constexpr double kFirst_s = 1.0, kLongest_s = 0.1;
+    const double seen_s = std::min(dt_s, kLongest_s);
+    seen.learned_s += seen_s;
+    const double views =
+        std::min(seen_s / (config.learning.view_s * std::max(1.0, seen.learned_s / kFirst_s)), 1.0);
     aligner.learn_texture(frame, camera, best.appearance, best.alignment,
                           std::min(dt_s / config.learning.texture_s, 1.0), views);
     seen.hypotheses.learn_person(views);

@@ -29,6 +29,7 @@ struct TrackerState {
   Hypotheses hypotheses;
   Gestures gestures;
   Person person;
+  double learned_s = 0;  ///< for how long the person's figure has been learned
   PoseFilter filter;
   Layout filtered_layout = Layout::thumb_right;  ///< of the hand frame that the filter follows
 };
