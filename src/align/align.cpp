@@ -110,6 +110,13 @@ HandVector HandState::difference(const HandState& other) const noexcept {
   return d;
 }
 
+Matrix6d pose_information(const HandMatrix& information) noexcept {
+  constexpr int kRest = kHandFreedoms - 6;
+  const Eigen::Matrix<double, kRest, kRest> rest = information.bottomRightCorner<kRest, kRest>();
+  const Eigen::Matrix<double, 6, kRest> cross = information.topRightCorner<6, kRest>();
+  return information.topLeftCorner<6, 6>() - cross * rest.llt().solve(cross.transpose());
+}
+
 struct Aligner::Impl {
   AlignConfig config;
   OutlineColors colors;

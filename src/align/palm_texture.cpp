@@ -130,14 +130,6 @@ Matrix6d through(const Matrix6d& H, const Eigen::LLT<Matrix6d>& with_other) {
   return H - H * with_other.solve(H);
 }
 
-/// The pose's part of a state's information, the rest marginalised out (Schur).
-Matrix6d pose_information(const HandMatrix& H) {
-  constexpr int kRest = kHandFreedoms - 6;
-  const Eigen::Matrix<double, kRest, kRest> rest = H.bottomRightCorner<kRest, kRest>();
-  const Eigen::Matrix<double, 6, kRest> cross = H.topRightCorner<6, kRest>();
-  return H.topLeftCorner<6, 6>() - cross * rest.llt().solve(cross.transpose());
-}
-
 }  // namespace
 
 /// The grid in a frame.
@@ -276,18 +268,20 @@ void PalmTexture::learn(const ImageView& frame, const Camera& camera, Appearance
   const Eigen::Isometry3d& T_camera_hand = alignment.state.T_camera_hand;
   surface_m_ =
       palm_surface(make_figure(alignment.state.figure, appearance.face, appearance.layout));
-  if (!knows(appearance)) T_hand_grid_.setIdentity();
+  const bool known = knows(appearance);
+  if (!known) T_hand_grid_.setIdentity();
   const Eigen::Isometry3d T_camera_grid = T_camera_hand * T_hand_grid_;
   const Sight sight(frame, camera, surface_m_, T_camera_grid);
-  const Pull seen = knows(appearance) ? compare(sight, T_camera_grid) : Pull{};
-  // Blurred or hidden in one frame, it is still known in the next.
-  if (!seen.valid && knows(appearance) && --frames_ > 0) return;
-  if (!seen.valid) {
+  if (!known) {
     frames_ = sight.whole ? 1 : 0;
     appearance_ = appearance;
     texture_ = sight.texture;
-    T_hand_grid_.setIdentity();
     information_.setZero();
+    return;
+  }
+  const Pull seen = compare(sight, T_camera_grid);
+  if (!seen.valid) {
+    --frames_;  // blurred or hidden in one frame, it is still known in the next
     return;
   }
   place(seen, alignment, views);

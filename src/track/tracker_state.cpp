@@ -45,12 +45,6 @@ constexpr double kNoisePart = 0.05;
 // average hand has it (standard deviations along x and y).
 constexpr double kOriginX_m = 0.005, kOriginY_m = 0.006;
 
-/// The pose's part of an aligned state.
-Matrix6d pose_covariance(const HandMatrix& information) {
-  const HandMatrix covariance = information.llt().solve(HandMatrix::Identity());
-  return covariance.topLeftCorner<6, 6>();
-}
-
 /// What the origin of a hand that was never measured adds to the covariance of its translation.
 Eigen::Matrix3d origin_covariance(const Eigen::Isometry3d& T_camera_hand) {
   const Eigen::Matrix<double, 3, 2> origin =
@@ -247,7 +241,7 @@ void HandTracker::Impl::filter(TrackResult& result) noexcept {
   const Alignment& best = in_view()->alignment;
   PoseEstimate raw;
   raw.T_camera_hand = best.state.T_camera_hand;
-  raw.covariance = pose_covariance(best.information);
+  raw.covariance = pose_information(best.information).llt().solve(Matrix6d::Identity());
   raw.noise_covariance = kNoisePart * raw.covariance;
   if (hand.source == HandSource::average_adult)
     raw.covariance.bottomRightCorner<3, 3>() += origin_covariance(raw.T_camera_hand);

@@ -11,6 +11,7 @@
 
 #include "handyar/camera.hpp"
 #include "handyar/image_view.hpp"
+#include "handyar/pose.hpp"
 #include "handyar/stages/hand_figure.hpp"
 
 namespace handyar {
@@ -69,6 +70,9 @@ struct Alignment {
   double log_posterior = 0;
   double rms_px = 0;  ///< between the figure's outline and the picture's, outliers weighing less
 };
+
+/// The pose's part of a state's information, the rest marginalised out (Schur complement).
+Matrix6d pose_information(const HandMatrix& information) noexcept;
 
 /// Lays a hand figure on pictures, by the colours on both sides of its outline and by edges, and
 /// learns the colours. Region-based tracking with sparse lines after Stoiber et al., "SRT3D"
