@@ -16,7 +16,7 @@ namespace {
 // Below the wrist comes the forearm, of about this length while a hand is in view.
 constexpr double kForearm_m = 0.12;
 // Less than this beside a place on the outline, and what lies there cannot be told.
-constexpr double kLeastInside_m = 0.0022, kLeastOutside_m = 0.0026;
+constexpr double kLeast_m = 0.0024;
 // Farther than this from the outline nothing is asked.
 constexpr double kReach_m = 0.016;
 
@@ -239,11 +239,10 @@ void Silhouette::try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) 
   const float first = 0.5f;
   if (distance_px(at.px + first * at.normal) < 0.3f * first) return;  // behind another part
   const float reach = static_cast<float>(to_px(kReach_m));
-  const auto least_outside = static_cast<float>(to_px(kLeastOutside_m)),
-             least_inside = static_cast<float>(to_px(kLeastInside_m));
+  const auto least = static_cast<float>(to_px(kLeast_m));
   // Free ground ends where another part of the figure begins; each step is as long as is surely
   // free.
-  float r = std::max(2.0f, least_outside);
+  float r = std::max(2.0f, least);
   while (r < reach) {
     const float d = distance_px(at.px + r * at.normal);
     if (d < 0.35f * r) {
@@ -253,12 +252,12 @@ void Silhouette::try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) 
     r += std::max(d, 1.0f);
   }
   anchor.outside_px = std::min(r, reach);
-  if (anchor.outside_px < least_outside) return;
+  if (anchor.outside_px < least) return;
   const float thick = anchor.a == anchor.b
                           ? r_[anchor.a]
                           : (1 - anchor.along) * r_[anchor.a] + anchor.along * r_[anchor.b];
   anchor.inside_px = std::min(1.5f * thick, reach);
-  if (anchor.inside_px < least_inside) return;
+  if (anchor.inside_px < least) return;
   anchors[count++] = anchor;
 }
 

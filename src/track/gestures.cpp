@@ -43,8 +43,6 @@ constexpr std::array<double, 3> kLower_m = {0, 0.005, 0};
 // They are held firmly, and the palm moves little from frame to frame (standard deviations): less
 // of a folded hand's outline is seen, and what is seen does not fit as well.
 constexpr double kFinger_rad = 0.05, kTurn_rad = 0.1, kMove_m = 0.03;
-// How far the outline may be off in a posture that is followed, and in one that begins.
-constexpr double kNear_m = 0.009, kFar_m = 0.015;
 
 constexpr int kThumb = 0;
 
@@ -56,13 +54,11 @@ constexpr double kFits = 0.8, kUsual_s = 0.5, kLeastOpen = 14, kThumbIn_rad = -0
 // turned away or blurred cannot be told from a fist (clips of webcams: 790 instead of 810 of 974
 // open frames right, at no least).
 constexpr double kLeastUsual = 18;
-// One whose log ratio is less than this is followed no more.
-constexpr double kLost = 6;
 // A posture leads whose outline explains the picture better than the open hand's by so much. The
 // thumb of an open hand may lie anywhere, so its outline tells little.
 constexpr double kFistBetter = 5, kFourBetter = -1;
 // It must explain something itself; little of a fist's outline is told from inside.
-constexpr double kLeastFist = -4, kLeastFour = 8;
+constexpr double kLeastFist = -4;
 // And so much to go on carrying the palm: fingers that open again would pull it with them.
 constexpr double kCarries = -0.5;
 // A finger is where it is expected when this share of its inside has the hand's colours, and gone
@@ -158,14 +154,14 @@ Gestures::Shares Gestures::shares(const HandState& state, const ImageView& frame
 }
 
 Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, const Camera& camera,
-                         const Aligner& aligner) const noexcept {
+                         const TrackerConfig& config, const Aligner& aligner) const noexcept {
   double outstretched = ratio(Gesture::open);
-  if (tracked && tracked->alignment.log_ratio > kLost)
+  if (tracked && tracked->alignment.log_ratio > config.belief.seen)
     outstretched = std::max(outstretched, tracked->alignment.log_ratio);
   if (ratio(Gesture::fist) > std::max(kLeastFist, outstretched + kFistBetter) &&
       is_fist(shares(laid(Gesture::fist).state, frame, camera, aligner)))
     return Gesture::fist;
-  if (ratio(Gesture::four) > std::max(kLeastFour, outstretched + kFourBetter) &&
+  if (ratio(Gesture::four) > std::max(config.belief.seen, outstretched + kFourBetter) &&
       is_four(shares(laid(Gesture::four).state, frame, camera, aligner)))
     return Gesture::four;
   return Gesture::open;
@@ -195,7 +191,7 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Person
   if (usual_ratio_ < kLeastUsual) return;
   watches_ = true;
   lay(frame, camera, person, dt_s, config, aligner);
-  const Gesture posture = choose(tracked, frame, camera, aligner);
+  const Gesture posture = choose(tracked, frame, camera, config, aligner);
   if (posture != Gesture::open) return lead(posture, dt_s);
   if (folded() && fits(laid(Gesture::open))) {
     opened_ = true;
@@ -207,7 +203,7 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Person
   if (gesture_ != Gesture::open) return;  // it may come back
   leader_ = Gesture::open;
   // Fingers between two postures are followed wherever the picture leads them: better to stay.
-  holds_ = !(tracked && tracked->alignment.log_ratio > kLost) &&
+  holds_ = !(tracked && tracked->alignment.log_ratio > config.belief.seen) &&
            is_folding(shares(hand_.alignment.state, frame, camera, aligner));
 }
 

@@ -53,7 +53,7 @@ class Gestures {
            const TrackerConfig& config, Aligner& aligner) noexcept;
   /// The posture that explains the picture; open where none does surely.
   Gesture choose(const Hypothesis* tracked, const ImageView& frame, const Camera& camera,
-                 const Aligner& aligner) const noexcept;
+                 const TrackerConfig& config, const Aligner& aligner) const noexcept;
   /// Of each finger's place when outstretched, and of the palm's (the last), the share that has the
   /// hand's colours; empty where it is out of the frame.
   using Shares = std::array<std::optional<double>, kFingerCount + 1>;

@@ -32,22 +32,14 @@ constexpr std::array<Start, 6> kStarts{
     {{{0, 0}, 0}, {{0.4, 0}, 0}, {{-0.4, 0}, 0}, {{0, 0.4}, 0}, {{0, -0.4}, 0}, {{0, 0}, 0.7}}};
 // Two planar solutions that end this near to each other are one.
 constexpr double kSame_rad = 0.1;
-// Less likely than the best by so many nats: given up.
-constexpr double kUnlikely = 8.0;
-// Frames that follow each other err alike: evidence counts by the time a frame stands for.
-constexpr double kEvidence_s = 0.3, kLongest_s = 0.1;
+// No frame stands for longer than this.
+constexpr double kLongest_s = 0.1;
 // The first frame counts like those that follow.
 constexpr double kFirstFrame = 0.1;
-// What was given up is thought of again this often, and believed once it explains the frames since
-// by so many nats better.
-constexpr double kReconsider_s = 1.0, kReconsiderWeight = -4.0;
+// What was given up is thought of again this often.
+constexpr double kReconsider_s = 1.0;
 // A hand goes on as it went, a little slower: hands stop.
 constexpr double kKeepsOn = 0.8;
-// How far the outline may be off where a hand is expected, and how far when nothing much is found
-// there or it has only just been seen.
-constexpr double kNear_m = 0.009, kFar_m = 0.021;
-// Less evidence than this: it may have moved farther than expected.
-constexpr double kPoor = 9.0;
 
 /// A hand that has turned over shows its other face, with the thumb on the other side: the same
 /// solid, its frame turned by half a turn about the fingers.
@@ -84,8 +76,8 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   HandVector sigma = HandVector::Ones();
   sigma.head<3>().setConstant(motion.rotation_sigma_rad);
   sigma.segment<3>(3).setConstant(motion.translation_sigma_m);
-  sigma.segment<kFingerCount>(kAbductionAt).setConstant(moves * motion.abduction_sigma_rad);
-  sigma.segment<kFingerCount>(kFlexionAt).setConstant(moves * motion.flexion_sigma_rad);
+  sigma.segment<kFingerCount>(kAbductionAt).setConstant(moves * motion.finger_sigma_rad);
+  sigma.segment<kFingerCount>(kFlexionAt).setConstant(moves * motion.finger_sigma_rad);
   sigma[kAbductionAt] = sigma[kFlexionAt] = moves * motion.thumb_sigma_rad;
   sigma[kBoundaryAt] = motion.boundary_sigma_px;
   prior.information = sigma.array().square().inverse().matrix().asDiagonal();
@@ -101,12 +93,12 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   return prior;
 }
 
-void Hypotheses::sort_and_prune() noexcept {
+void Hypotheses::sort_and_prune(double most) noexcept {
   // In place: the library's stable sort takes memory.
   const auto likelier = [](const auto& a, const auto& b) { return a.log_weight > b.log_weight; };
   for (auto item = items_.begin(); item != items_.begin() + count_; ++item)
     std::rotate(std::upper_bound(items_.begin(), item, *item, likelier), item, item + 1);
-  while (count_ > 1 && items_[count_ - 1].log_weight < items_[0].log_weight - kUnlikely) --count_;
+  while (count_ > 1 && items_[count_ - 1].log_weight < items_[0].log_weight - most) --count_;
   const double best = count_ > 0 ? items_[0].log_weight : 0;
   for (int i = 0; i < count_; ++i) items_[i].log_weight -= best;
 }
@@ -193,7 +185,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     h.log_weight = kFirstFrame * h.alignment.log_posterior;
     keep_distinct(h);
   }
-  sort_and_prune();
+  sort_and_prune(config.belief.most);
   return count_ > 0;
 }
 
@@ -203,13 +195,13 @@ void Hypotheses::learn_person(double share) noexcept {
 
 bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_s,
                         const TrackerConfig& config, Aligner& aligner) noexcept {
-  const double share = std::min(dt_s, kLongest_s) / kEvidence_s;
+  const double share = std::min(dt_s, kLongest_s) / config.belief.same_s;
   for (int i = count_ - 1; i >= 0; --i) {  // the best last: its outline is the one to show
     Hypothesis& h = items_[i];
     const HandState before = h.alignment.state, expected = predicted(h, dt_s).alignment.state;
     const HandPrior prior = prior_around(expected, h.person, dt_s, config);
     h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kNear_m);
-    if (!h.alignment.valid || h.alignment.log_ratio < kPoor)
+    if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen)
       h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kFar_m);
     if (!h.alignment.valid) continue;
     h.velocity = before.difference(h.alignment.state).head<6>() / dt_s;
@@ -220,7 +212,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
   const Hypotheses followed = *this;
   count_ = 0;
   for (const Hypothesis& h : std::span(followed.items_.data(), followed.count_)) keep_distinct(h);
-  sort_and_prune();
+  sort_and_prune(config.belief.most);
   since_reconsidered_s_ += dt_s;
   if (since_reconsidered_s_ > kReconsider_s) {
     since_reconsidered_s_ = 0;
@@ -245,9 +237,10 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera,
   Hypothesis alternative;
   alternative.appearance = appearance;
   alternative.person = now.person;
-  alternative.alignment = aligner.align(frame, camera, appearance, start,
-                                        prior_around(start, now.person, kLongAgo_s, config), kFar_m);
-  alternative.log_weight = now.log_weight + kReconsiderWeight;
+  alternative.alignment =
+      aligner.align(frame, camera, appearance, start,
+                    prior_around(start, now.person, kLongAgo_s, config), kFar_m);
+  alternative.log_weight = now.log_weight - config.belief.most_frame;
   keep_distinct(alternative);
 }
 

@@ -54,13 +54,18 @@ class Hypotheses {
   /// Adds a way to see the hand, in the place of one that is nearly the same or of the least likely
   /// one where there is no room, unless these are likelier.
   void keep_distinct(const Hypothesis& hypothesis) noexcept;
-  void sort_and_prune() noexcept;
+  /// The likeliest first; what is less likely than it by more than `most` nats is given up.
+  void sort_and_prune(double most) noexcept;
 
   std::array<Hypothesis, kMost> items_;
   int count_ = 0;
   int turn_ = 0;  ///< of the alternatives, which one is next
   double since_reconsidered_s_ = 0;
 };
+
+/// How far the outline may be off where a hand is expected, and how far when nothing much is found
+/// there or it has only just been seen.
+constexpr double kNear_m = 0.009, kFar_m = 0.021;
 
 /// Where a hand is `dt_s` later: it goes on as it went, a little slower.
 Hypothesis predicted(const Hypothesis& hypothesis, double dt_s) noexcept;

@@ -64,7 +64,7 @@ void HandTracker::Impl::report(TrackResult& result) noexcept {
     result.raw_pose.reset();
     result.pose.reset();
   } else {
-    result.doubtful = evidence.log_ratio < 8 || !result.pose ||
+    result.doubtful = evidence.log_ratio < config.belief.seen || !result.pose ||
                       seen.time_s - seen.changed_s < kNewReading_s ||
                       sigma_rotation_rad(result.pose->covariance) > config.belief.doubt_rad;
   }

@@ -10,9 +10,12 @@ namespace handyar {
 /// When a hand is believed. What a frame shows adds to the belief, its log odds of hand against no
 /// hand, by the time it stands for; older frames fade.
 struct BeliefConfig {
-  double believe = 2.0;   ///< log odds from which on a hand is tracked
-  double give_up = -2.0;  ///< log odds below which it is lost
-  double most = 8.0;      ///< no hand is believed more, so that it can be given up in time
+  double believe = 2.0;     ///< log odds from which on a hand is tracked
+  double give_up = -2.0;    ///< log odds below which it is lost
+  double most = 8.0;        ///< no hand is believed more, so that it can be given up in time
+  double most_frame = 4.0;  ///< no frame says more, either way
+  double same_s = 0.2;      ///< frames err alike for so long: what they say counts by their time
+  double seen = 8.0;  ///< log ratio of a frame from which on a figure is seen to lie on a hand
   double doubt_rad =
       0.2;  ///< a pose whose orientation is less sure (standard deviation) is doubtful
 };
@@ -22,9 +25,8 @@ struct MotionConfig {
   double rotation_sigma_rad = 0.35;   ///< of a frame's pose around what the frames before foretell
   double translation_sigma_m = 0.06;  ///< the same
   double posture_s = 0.15;            ///< about as long a finger keeps its turn and its bend
-  double abduction_sigma_rad = 0.09;  ///< of a finger's turn about the person's rest posture
+  double finger_sigma_rad = 0.08;     ///< of a finger's turn, and bend, about the person's rest
   double closing_sigma = 0.25;        ///< of how far all close together, 1 is side by side
-  double flexion_sigma_rad = 0.073;   ///< of a finger's bend
   double thumb_sigma_rad = 0.2;       ///< of both for the thumb, which moves twice as far
   double boundary_sigma_px = 0.3;     ///< change of the outline's offset in a frame
 };

@@ -11,31 +11,17 @@ namespace {
 // What an aligned figure's log ratio says of there being a hand at all: a figure is laid as well as
 // it can be on anything, so it speaks for a hand only from here on, and less than it claims.
 constexpr double kEven = 10.5, kClaim = 0.4;
-// A hand whose log ratio is less than this was lost from frame to frame.
-constexpr double kSlipped = 6.0;
-// No frame says more than this, either way.
-constexpr double kMostFrame = 4.0;
-// Frames that follow each other err alike: what they say counts by the time they stand for.
-constexpr double kEvidence_s = 0.2;
-// A hand that is followed surely is shown to the finder this often.
-constexpr double kLook_s = 0.2;
 // The finder reads a hand as it is followed when each fingertip is this near, in shares of the
 // distance from the palm to the farthest; otherwise when only the palms are as near as this.
 constexpr float kSameTips = 0.25f, kSamePalm = 0.8f;
-// The finder sees nothing where a hand is followed: it may be too tilted, or half hidden.
-constexpr double kUnseen = -2.0;
 // Another reading of the hand that is followed takes over when it explains the picture by this much
 // better.
 constexpr double kClearlyBetter = 1.0;
-// Candidates less likely than this are not worth the time of laying a figure on them.
-constexpr double kWorthTrying = -1.0;
 
-double evidence_of(const Alignment& alignment) {
-  return std::clamp(kClaim * (alignment.log_ratio - kEven), -kMostFrame, kMostFrame);
+double evidence_of(const Alignment& alignment, const BeliefConfig& belief) {
+  return std::clamp(kClaim * (alignment.log_ratio - kEven), -belief.most_frame, belief.most_frame);
 }
 
-// Less evidence than this in one frame and nothing is learned from it.
-constexpr double kLearnable = 8.0;
 // The part of the pose's covariance that is new in each frame; the rest comes from what the figure
 // cannot explain and stays while the view does.
 constexpr double kNoisePart = 0.05;
@@ -93,8 +79,7 @@ FrameStatus HandTracker::Impl::admit(const ImageView& frame, double time_s) noex
 }
 
 void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
-  if (!seen.hypotheses.follow(frame, camera, dt_s, config, aligner) ||
-      follows_hand_of_other())
+  if (!seen.hypotheses.follow(frame, camera, dt_s, config, aligner) || follows_hand_of_other())
     seen.hypotheses.clear();
 }
 
@@ -106,7 +91,7 @@ void HandTracker::Impl::compare_postures(const ImageView& frame, double dt_s) no
   if (gestures.folded()) seen.hypotheses.clear();
   if (gestures.opened()) {
     seen.hypotheses.resume(gestures.hand());
-    seen.belief = config.belief.believe + kMostFrame;
+    seen.belief = config.belief.believe + config.belief.most_frame;
   }
 }
 
@@ -141,7 +126,7 @@ HandTracker::Impl::Reading HandTracker::Impl::compare(const HandCandidate& candi
 
 double HandTracker::Impl::verdict() const noexcept {
   const Followed now = followed();
-  double says = kUnseen;
+  double says = config.belief.give_up;  // unseen: it may be too tilted, or half hidden
   for (const HandCandidate& candidate : candidates) {
     if (is_of_other(candidate)) continue;
     const Reading reading = compare(candidate, now);
@@ -164,28 +149,30 @@ void HandTracker::Impl::find(const ImageView& frame, bool only_there) noexcept {
 }
 
 void HandTracker::Impl::look(const ImageView& frame) noexcept {
+  const BeliefConfig& limits = config.belief;
   const bool had = has_hand();
   const bool folded = seen.gestures.gesture() != Gesture::open;
   const bool sure = folded || (holds_hand() && seen.state == State::tracking);
   const double since_s = seen.time_s - seen.looked_s;
-  if ((sure && since_s < kLook_s) || (!had && !may_search())) return;
+  if ((sure && since_s < limits.same_s) || (!had && !may_search())) return;
   seen.looked_s = seen.time_s;
   find(frame, had);
   if (had)
-    seen.belief +=
-        std::min(1.0, since_s / kEvidence_s) * std::clamp(verdict(), -kMostFrame, kMostFrame);
+    seen.belief += std::min(1.0, since_s / limits.same_s) *
+                   std::clamp(verdict(), -limits.most_frame, limits.most_frame);
   begin(frame);
 }
 
 void HandTracker::Impl::begin(const ImageView& frame) noexcept {
   const bool had = holds_hand();
   const double followed_ratio = had ? seen.hypotheses.best().alignment.log_ratio : 0;
-  const double belief = had ? seen.belief + evidence_of(seen.hypotheses.best().alignment) : 0;
+  const double belief =
+      had ? seen.belief + evidence_of(seen.hypotheses.best().alignment, config.belief) : 0;
   for (const HandCandidate& candidate : candidates) {
     const Reading reading = had ? compare(candidate, followed()) : Reading::elsewhere;
-    if (candidate.log_odds < kWorthTrying || reading == Reading::same || is_of_other(candidate) ||
-        is_for_other(candidate, reading) ||
-        (reading == Reading::elsewhere && candidate.log_odds + kMostFrame < belief))
+    if (candidate.log_odds < config.belief.give_up || reading == Reading::same ||
+        is_of_other(candidate) || is_for_other(candidate, reading) ||
+        (reading == Reading::elsewhere && candidate.log_odds + config.belief.most_frame < belief))
       continue;
     Hypotheses fresh;
     if (!fresh.begin(candidate, frame, camera, seen.person, config, scout)) continue;
@@ -196,7 +183,7 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     // Of two readings of one hand the picture decides, of two hands the one that is believed more.
     const bool better = reading == Reading::otherwise
                             ? best.log_ratio > followed_ratio + kClearlyBetter
-                            : candidate.log_odds + evidence_of(best) > belief;
+                            : candidate.log_odds + evidence_of(best, config.belief) > belief;
     if (!better) continue;
     seen.hypotheses = fresh;
     std::swap(aligner, scout);
@@ -208,16 +195,17 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
 }
 
 bool HandTracker::Impl::holds_hand() const noexcept {
-  return has_hand() && seen.hypotheses.best().alignment.log_ratio >= kSlipped;
+  return has_hand() && seen.hypotheses.best().alignment.log_ratio >= config.belief.seen;
 }
 
 void HandTracker::Impl::believe(double dt_s) noexcept {
   const BeliefConfig& limits = config.belief;
   const bool is_seen = has_hand();
   if (is_seen) {
-    const double share = std::clamp(dt_s / kEvidence_s, 0.0, 1.0);
+    const double share = std::clamp(dt_s / limits.same_s, 0.0, 1.0);
     seen.belief =
-        std::min(seen.belief + share * evidence_of(seen.hypotheses.best().alignment), limits.most);
+        std::min(seen.belief + share * evidence_of(seen.hypotheses.best().alignment, config.belief),
+                 limits.most);
   }
   const bool was = seen.state == State::tracking || seen.state == State::lost;
   if (!is_seen || seen.belief < limits.give_up) {
@@ -262,7 +250,7 @@ void HandTracker::Impl::filter(TrackResult& result) noexcept {
 
 void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
   const Hypothesis& best = seen.hypotheses.best();
-  if (best.alignment.log_ratio < kLearnable) return;
+  if (best.alignment.log_ratio < config.belief.seen) return;
   constexpr double kMargin_m = 0.0011;  // blur: the boundary's own colours are neither side's
   const double keep = std::exp(-std::min(dt_s, 1.0) / config.learning.colors_s);
   aligner.learn(frame, camera, best.appearance, best.alignment.state, static_cast<float>(keep),
