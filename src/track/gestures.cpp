@@ -57,21 +57,17 @@ constexpr double kLeastUsual = 18;
 // A posture leads whose outline explains the picture better than the open hand's by so much. The
 // thumb of an open hand may lie anywhere, so its outline tells little.
 constexpr double kFistBetter = 5, kFourBetter = -1;
-// It must explain something itself; little of a fist's outline is told from inside.
-constexpr double kLeastFist = -4;
 // And so much to go on carrying the palm: fingers that open again would pull it with them.
 constexpr double kCarries = -0.5;
 // A finger is where it is expected when this share of its inside has the hand's colours, and gone
 // when no more than this has.
-constexpr double kThere = 0.7, kGone = 0.35;
-// Of the thumb: a folded one's root stays where it was, a fist's may lie beside the palm.
-constexpr double kThumbOfFour = 0.2, kThumbOfFist = 0.5;
+constexpr double kThere = 0.7, kGone = 0.2;
 // So long a posture leads before it counts; so long no posture may fit before the hand is given up.
 constexpr double kConfirm_s = 0.1, kUnclear_s = 0.3;
 
 using Shares = std::array<std::optional<double>, kFingerCount + 1>;  // of each part; the palm last
 bool there(std::optional<double> share) { return share.value_or(0) >= kThere; }
-bool gone(std::optional<double> share, double most = kGone) { return share.value_or(1) <= most; }
+bool gone(std::optional<double> share) { return share.value_or(1) <= kGone; }
 
 /// How many of the fingers but the thumb are gone.
 int gone_fingers(const Shares& shares) {
@@ -79,14 +75,14 @@ int gone_fingers(const Shares& shares) {
                                         [](std::optional<double> share) { return gone(share); }));
 }
 bool is_fist(const Shares& shares) {
-  return there(shares[kFingerCount]) && gone(shares[kThumb], kThumbOfFist) &&
+  return there(shares[kFingerCount]) && gone(shares[kThumb]) &&
          gone_fingers(shares) == kFingerCount - 1;
 }
 bool is_folding(const Shares& shares) {
   return there(shares[kFingerCount]) && gone_fingers(shares) >= 2;
 }
 bool is_four(const Shares& shares) {
-  return gone(shares[kThumb], kThumbOfFour) && std::all_of(shares.begin() + 1, shares.end(), there);
+  return gone(shares[kThumb]) && std::all_of(shares.begin() + 1, shares.end(), there);
 }
 
 }  // namespace
@@ -158,7 +154,7 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   double outstretched = ratio(Gesture::open);
   if (tracked && tracked->alignment.log_ratio > config.belief.seen)
     outstretched = std::max(outstretched, tracked->alignment.log_ratio);
-  if (ratio(Gesture::fist) > std::max(kLeastFist, outstretched + kFistBetter) &&
+  if (ratio(Gesture::fist) > outstretched + kFistBetter &&
       is_fist(shares(laid(Gesture::fist).state, frame, camera, aligner)))
     return Gesture::fist;
   if (ratio(Gesture::four) > std::max(config.belief.seen, outstretched + kFourBetter) &&

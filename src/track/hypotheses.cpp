@@ -12,14 +12,12 @@
 namespace handyar {
 namespace {
 
-// A new hand's colours are taken ever nearer to its outline while the figure settles on it: what is
-// left out on both sides, how far off the outline may still be, and how far it may stay.
-struct Settling {
-  double margin_m, reach_m, left_m;
-};
-// Roughly from each start, then finely from those that explain the picture best.
-constexpr std::array<Settling, 2> kRoughly{{{0.006, 0.021, 0.015}, {0.004, 0.014, 0.010}}};
-constexpr std::array<Settling, 2> kFinely{{{0.003, 0.009, 0}, {0.002, 0.009, 0}}};
+// A new hand's colours are taken ever nearer to its outline while the figure settles on it, roughly
+// from each start, then finely from those that explain the picture best: so much is left out on
+// both sides.
+constexpr std::array<double, 2> kRoughly_m{0.006, 0.004}, kFinely_m{0.003, 0.002};
+// How far off the outline may be then, and how far it may stay while it is rough, in margins.
+constexpr double kReach = 3.5, kStay = 2.5;
 constexpr double kForgetAll = 1e-3;
 // Fingertips tell tilt badly, and whether a hand is small or its fingers are close together, and a
 // figure that has settled in a wrong one stays in it: it begins as the fingertips say, tilted from
@@ -145,12 +143,14 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     expected.figure = person.mean();
     return prior_around(expected, person, kLongAgo_s, config);
   };
-  const auto settle = [&](Hypothesis& h, const HandPrior& prior, std::span<const Settling> steps) {
-    for (const auto [margin_m, reach_m, left_m] : steps) {
+  const auto settle = [&](Hypothesis& h, const HandPrior& prior, std::span<const double> margins_m,
+                          double stay) {
+    for (const double margin_m : margins_m) {
       if (!h.alignment.valid) return;
       const HandState& from = h.alignment.state;
       aligner.learn(frame, camera, h.appearance, from, kForgetAll, margin_m);
-      h.alignment = aligner.align(frame, camera, h.appearance, from, prior, reach_m, left_m);
+      h.alignment = aligner.align(frame, camera, h.appearance, from, prior, kReach * margin_m,
+                                  stay * margin_m);
     }
     h.log_weight = kFirstFrame * h.alignment.log_posterior;
   };
@@ -168,7 +168,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       h.alignment.state = prior.mean;
       h.alignment.state.posture = posture;
       h.alignment.valid = true;
-      settle(h, prior, kRoughly);
+      settle(h, prior, kRoughly_m, kStay);
       keep_distinct(h);
     }
   }
@@ -176,7 +176,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   clear();
   for (Hypothesis& h : std::span(rough.items_.data(), rough.count_)) {
     const HandPrior prior = prior_at(h.alignment.state.T_camera_hand);
-    settle(h, prior, kFinely);
+    settle(h, prior, kFinely_m, 0);
     keep_distinct(h);
     if (!h.alignment.valid) continue;
     HandState& other = h.alignment.state;
