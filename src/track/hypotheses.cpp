@@ -32,12 +32,13 @@ constexpr std::array<Start, 6> kStarts{
 constexpr double kSame_rad = 0.1;
 // No frame stands for longer than this.
 constexpr double kLongest_s = 0.1;
-// The first frame counts like those that follow.
-constexpr double kFirstFrame = 0.1;
 // What was given up is thought of again this often.
 constexpr double kReconsider_s = 1.0;
-// A hand goes on as it went, a little slower: hands stop.
-constexpr double kKeepsOn = 0.8;
+
+/// What a frame says counts by the time it stands for.
+double share_of(double dt_s, const TrackerConfig& config) {
+  return std::min(dt_s, kLongest_s) / config.belief.same_s;
+}
 
 /// A hand that has turned over shows its other face, with the thumb on the other side: the same
 /// solid, its frame turned by half a turn about the fingers.
@@ -53,7 +54,7 @@ void turn_over(Hypothesis& h) {
 
 Hypothesis predicted(const Hypothesis& h, double dt_s) noexcept {
   Hypothesis next = h;
-  const Eigen::Matrix<double, 6, 1> move = kKeepsOn * dt_s * h.velocity;
+  const Eigen::Matrix<double, 6, 1> move = dt_s * h.velocity;
   Eigen::Isometry3d& T = next.alignment.state.T_camera_hand;
   T.linear() = so3::exp(move.head<3>()).toRotationMatrix() * T.linear();
   T.translation() += move.tail<3>();
@@ -152,7 +153,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       h.alignment = aligner.align(frame, camera, h.appearance, from, prior, kReach * margin_m,
                                   stay * margin_m);
     }
-    h.log_weight = kFirstFrame * h.alignment.log_posterior;
+    h.log_weight = share_of(kLongest_s, config) * h.alignment.log_posterior;
   };
   for (const Face face : {Face::palm, Face::back}) {
     if (config.user.side && side_of(face, candidate.layout) != *config.user.side) continue;
@@ -182,7 +183,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     HandState& other = h.alignment.state;
     other.T_camera_hand = other_planar_solution(other.T_camera_hand);
     h.alignment = aligner.align(frame, camera, h.appearance, other, prior, kFar_m);
-    h.log_weight = kFirstFrame * h.alignment.log_posterior;
+    h.log_weight = share_of(kLongest_s, config) * h.alignment.log_posterior;
     keep_distinct(h);
   }
   sort_and_prune(config.belief.most);
@@ -195,7 +196,7 @@ void Hypotheses::learn_person(double share) noexcept {
 
 bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_s,
                         const TrackerConfig& config, Aligner& aligner) noexcept {
-  const double share = std::min(dt_s, kLongest_s) / config.belief.same_s;
+  const double share = share_of(dt_s, config);
   for (int i = count_ - 1; i >= 0; --i) {  // the best last: its outline is the one to show
     Hypothesis& h = items_[i];
     const HandState before = h.alignment.state, expected = predicted(h, dt_s).alignment.state;

@@ -67,7 +67,7 @@ class Hypotheses {
 /// there or it has only just been seen.
 constexpr double kNear_m = 0.009, kFar_m = 0.021;
 
-/// Where a hand is `dt_s` later: it goes on as it went, a little slower.
+/// Where a hand is `dt_s` later: it goes on as it went.
 Hypothesis predicted(const Hypothesis& hypothesis, double dt_s) noexcept;
 
 constexpr double kLongAgo_s = std::numeric_limits<double>::infinity();

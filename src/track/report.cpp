@@ -7,9 +7,6 @@
 namespace handyar {
 namespace {
 
-// What stands on a hand that is read otherwise from now on goes there unseen, not in a leap.
-constexpr double kNewReading_s = 0.15;
-
 bool inside(const Eigen::Vector2d& px, const Camera& camera) {
   return px.x() >= 0 && px.y() >= 0 && px.x() <= camera.width_px - 1 &&
          px.y() <= camera.height_px - 1;
@@ -64,8 +61,9 @@ void HandTracker::Impl::report(TrackResult& result) noexcept {
     result.raw_pose.reset();
     result.pose.reset();
   } else {
+    // What stands on a hand that is read otherwise goes there unseen, not in a leap.
     result.doubtful = evidence.log_ratio < config.belief.seen || !result.pose ||
-                      seen.time_s - seen.changed_s < kNewReading_s ||
+                      seen.time_s - seen.changed_s < config.belief.same_s ||
                       sigma_rotation_rad(result.pose->covariance) > config.belief.doubt_rad;
   }
 }

@@ -14,9 +14,6 @@ constexpr double kEven = 10.5, kClaim = 0.4;
 // The finder reads a hand as it is followed when each fingertip is this near, in shares of the
 // distance from the palm to the farthest; otherwise when only the palms are as near as this.
 constexpr float kSameTips = 0.25f, kSamePalm = 0.8f;
-// Another reading of the hand that is followed takes over when it explains the picture by this much
-// better.
-constexpr double kClearlyBetter = 1.0;
 
 double evidence_of(const Alignment& alignment, const BeliefConfig& belief) {
   return std::clamp(kClaim * (alignment.log_ratio - kEven), -belief.most_frame, belief.most_frame);
@@ -182,7 +179,7 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     if (seen.gestures.watches() && (seen.gestures.folded() || !seen.gestures.fits(best))) continue;
     // Of two readings of one hand the picture decides, of two hands the one that is believed more.
     const bool better = reading == Reading::otherwise
-                            ? best.log_ratio > followed_ratio + kClearlyBetter
+                            ? best.log_ratio > followed_ratio
                             : candidate.log_odds + evidence_of(best, config.belief) > belief;
     if (!better) continue;
     seen.hypotheses = fresh;
