@@ -248,10 +248,9 @@ void HandTracker::Impl::filter(TrackResult& result) noexcept {
 void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
   const Hypothesis& best = seen.hypotheses.best();
   if (best.alignment.log_ratio < config.belief.seen) return;
-  constexpr double kMargin_m = 0.0011;  // blur: the boundary's own colours are neither side's
   const double keep = std::exp(-std::min(dt_s, 1.0) / config.learning.colors_s);
   aligner.learn(frame, camera, best.appearance, best.alignment.state, static_cast<float>(keep),
-                kMargin_m);
+                config.learning.margin_m);
   if (seen.state == State::tracking) {
     constexpr double kFirst_s = 1.0, kLongest_s = 0.1;
     const double seen_s = std::min(dt_s, kLongest_s);
