@@ -22,12 +22,16 @@ constexpr double kCellWeight = 0.05;
 constexpr int kAround = 2;
 // No texture is compared better than this, in levels of luma.
 constexpr float kLeastSigma = 1.0f;
+// With contrast changed by more than this factor it is not what was seen.
+constexpr float kMostGain = 3.0f;
 // A palm reaches beyond the spheres at its corners by this share of their radii.
 constexpr float kWider = 0.6f;
 // A cell seen from its edge covers less (square of twice two neighbours' distance, px^4).
 constexpr float kLeastArea = 1e-3f;
 // Information that says nothing, in rad^-2 and m^-2.
 constexpr double kVague = 1e-3;
+// Fewer frames are no texture yet.
+constexpr int kFewest = 3;
 
 /// Means over so many neighbours on all sides; beyond the grid it goes on as it ends.
 template <int kReach>
@@ -226,7 +230,7 @@ PalmTexture::Pull PalmTexture::compare(const Sight& sight,
       weight[i] = sight.seen[i] / (1 + z * z);
     }
   }
-  if (!(pull.gain > 0)) return pull;
+  if (!(pull.gain > 1 / kMostGain && pull.gain < kMostGain)) return pull;
 
   const std::array<Field, 6> J = derivative(sight, pull.gain, T.translation());
   const double scale = kCellWeight / (sigma * sigma);
@@ -250,7 +254,7 @@ PalmTexture::Pull PalmTexture::compare(const Sight& sight,
 void PalmTexture::pull(const ImageView& frame, const Camera& camera, Appearance appearance,
                        const Eigen::Isometry3d& T_camera_hand, HandMatrix& H,
                        HandVector& g) const noexcept {
-  if (!knows(appearance)) return;
+  if (frames_ < kFewest || !knows(appearance)) return;
   const Eigen::Isometry3d T_camera_grid = T_camera_hand * T_hand_grid_;
   const Pull seen = compare(Sight(frame, camera, surface_m_, T_camera_grid), T_camera_grid);
   if (!seen.valid) return;
