@@ -57,8 +57,9 @@ constexpr double kLeastUsual = 18;
 // A posture leads whose outline explains the picture better than the open hand's by so much. The
 // thumb of an open hand may lie anywhere, so its outline tells little.
 constexpr double kFistBetter = 5, kFourBetter = -1;
-// And so much to go on carrying the palm: fingers that open again would pull it with them.
-constexpr double kCarries = -0.5;
+// It must explain something itself, little of whose outline is told from inside, and more to go on
+// carrying the palm: fingers that open again would pull it with them.
+constexpr double kLeastFist = -4, kCarries = -0.5;
 // A finger is where it is expected when this share of its inside has the hand's colours, and gone
 // when no more than this has.
 constexpr double kThere = 0.7, kGone = 0.2;
@@ -154,7 +155,7 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   double outstretched = ratio(Gesture::open);
   if (tracked && tracked->alignment.log_ratio > config.belief.seen)
     outstretched = std::max(outstretched, tracked->alignment.log_ratio);
-  if (ratio(Gesture::fist) > outstretched + kFistBetter &&
+  if (ratio(Gesture::fist) > std::max(kLeastFist, outstretched + kFistBetter) &&
       is_fist(shares(laid(Gesture::fist).state, frame, camera, aligner)))
     return Gesture::fist;
   if (ratio(Gesture::four) > std::max(config.belief.seen, outstretched + kFourBetter) &&
