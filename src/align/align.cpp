@@ -43,7 +43,7 @@ constexpr double kLeastLines = 12;
 // Lines nearer than this see the same pixels.
 constexpr float kLeastSpacing_px = 3;
 // Colours are learned this far from the outline at most, inside and outside.
-constexpr double kLearn_m = 0.010;
+constexpr double kLearnInside_m = 0.0075, kLearnOutside_m = 0.0135;
 // Colours of which less is kept tell nothing.
 constexpr float kForgets = 0.01f;
 
@@ -267,8 +267,10 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
     const int finger = finger_of(anchor.a);
     if (colors_count && line.inside_frame() && line.find(impl_->colors, finger, true).log_ratio < 0)
       continue;
-    const float in = std::min(anchor.inside_px, static_cast<float>(silhouette.to_px(kLearn_m))),
-                out = std::min(anchor.outside_px, static_cast<float>(silhouette.to_px(kLearn_m)));
+    const float in = std::min(anchor.inside_px,
+                              static_cast<float>(silhouette.to_px(kLearnInside_m))),
+                out = std::min(anchor.outside_px,
+                               static_cast<float>(silhouette.to_px(kLearnOutside_m)));
     for (float r = margin; r < in; r += step)
       if (const auto p = line.pixel(-r))
         impl_->colors.add(finger, reader.bin(p->x(), p->y()), true);

@@ -14,8 +14,8 @@ namespace {
 
 // A new hand's colours are taken ever nearer to its outline while the figure settles on it, roughly
 // from each start, then finely from those that explain the picture best: so much is left out on
-// both sides, in the margins of later frames.
-constexpr std::array<double, 2> kRoughly{3, 2}, kFinely{1.5, 1};
+// both sides.
+constexpr std::array<double, 2> kRoughly_m{0.006, 0.004}, kFinely_m{0.003, 0.002};
 // How far off the outline may be then, and how far it may stay while it is rough, in margins.
 constexpr double kReach = 3.5, kStay = 2.5;
 constexpr double kForgetAll = 1e-3;
@@ -144,10 +144,9 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     expected.figure = person.mean();
     return prior_around(expected, person, kLongAgo_s, config);
   };
-  const auto settle = [&](Hypothesis& h, const HandPrior& prior, std::span<const double> margins,
+  const auto settle = [&](Hypothesis& h, const HandPrior& prior, std::span<const double> margins_m,
                           double stay) {
-    for (const double margin : margins) {
-      const double margin_m = margin * config.learning.margin_m;
+    for (const double margin_m : margins_m) {
       if (!h.alignment.valid) return;
       const HandState& from = h.alignment.state;
       aligner.learn(frame, camera, h.appearance, from, kForgetAll, margin_m);
@@ -170,7 +169,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       h.alignment.state = prior.mean;
       h.alignment.state.posture = posture;
       h.alignment.valid = true;
-      settle(h, prior, kRoughly, kStay);
+      settle(h, prior, kRoughly_m, kStay);
       keep_distinct(h);
     }
   }
@@ -178,7 +177,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   clear();
   for (Hypothesis& h : std::span(rough.items_.data(), rough.count_)) {
     const HandPrior prior = prior_at(h.alignment.state.T_camera_hand);
-    settle(h, prior, kFinely, 0);
+    settle(h, prior, kFinely_m, 0);
     keep_distinct(h);
     if (!h.alignment.valid) continue;
     HandState& other = h.alignment.state;

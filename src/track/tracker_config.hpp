@@ -37,8 +37,7 @@ struct LearningConfig {
   /// Of seeing a hand count as one independent view of its figure, in the first second; later this
   /// share of the time that it has been seen: views come back, and the figure's errors with them.
   double view_s = 0.1;
-  double margin_m = 0.002;  ///< on both sides of the outline, whose blurred colours are left out
-  double texture_s = 1.0;   ///< the look of the palm's skin fades this fast
+  double texture_s = 1.0;  ///< the look of the palm's skin fades this fast
 };
 
 /// All settings of the tracker, a struct per stage, after what the user asked for.

@@ -14,6 +14,9 @@ constexpr double kEven = 10.5, kClaim = 0.4;
 // The finder reads a hand as it is followed when each fingertip is this near, in shares of the
 // distance from the palm to the farthest; otherwise when only the palms are as near as this.
 constexpr float kSameTips = 0.25f, kSamePalm = 0.8f;
+// Candidates less likely than this are not worth the time of laying a figure on them: of a door and
+// four fingers one is believed for 9 frames at -2.
+constexpr double kWorthTrying = -1.0;
 
 double evidence_of(const Alignment& alignment, const BeliefConfig& belief) {
   return std::clamp(kClaim * (alignment.log_ratio - kEven), -belief.most_frame, belief.most_frame);
@@ -167,8 +170,8 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
       had ? seen.belief + evidence_of(seen.hypotheses.best().alignment, config.belief) : 0;
   for (const HandCandidate& candidate : candidates) {
     const Reading reading = had ? compare(candidate, followed()) : Reading::elsewhere;
-    if (candidate.log_odds < config.belief.give_up || reading == Reading::same ||
-        is_of_other(candidate) || is_for_other(candidate, reading) ||
+    if (candidate.log_odds < kWorthTrying || reading == Reading::same || is_of_other(candidate) ||
+        is_for_other(candidate, reading) ||
         (reading == Reading::elsewhere && candidate.log_odds + config.belief.most_frame < belief))
       continue;
     Hypotheses fresh;
@@ -248,9 +251,10 @@ void HandTracker::Impl::filter(TrackResult& result) noexcept {
 void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
   const Hypothesis& best = seen.hypotheses.best();
   if (best.alignment.log_ratio < config.belief.seen) return;
+  constexpr double kMargin_m = 0.0011;  // blur: the boundary's own colours are neither side's
   const double keep = std::exp(-std::min(dt_s, 1.0) / config.learning.colors_s);
   aligner.learn(frame, camera, best.appearance, best.alignment.state, static_cast<float>(keep),
-                config.learning.margin_m);
+                kMargin_m);
   if (seen.state == State::tracking) {
     constexpr double kFirst_s = 1.0, kLongest_s = 0.1;
     const double seen_s = std::min(dt_s, kLongest_s);
