@@ -56,7 +56,8 @@ for (const { clip, calibrated, tracked } of [
       apart_m.push(Math.hypot(T[12] - row.tx_m, T[13] - row.ty_m, T[14] - row.tz_m));
       apart_rad.push(angle_rad(T, row));
     });
-    assert.ok(otherStates <= 0.03 * frames, `${otherStates} of ${frames} states differ`);
+    // A hand that leaves is let go of 0.2 s sooner or later where roundings differ.
+    assert.ok(otherStates <= 0.06 * frames, `${otherStates} of ${frames} states differ`);
     assert.ok(apart_m.length >= tracked, `${apart_m.length} frames are tracked by both`);
     assert.ok(apart_m[0] < 5e-4, `the first pose is ${apart_m[0]} m off`);
     assert.ok(quantile(apart_m, 0.5) < 1e-3, `poses are ${quantile(apart_m, 0.5)} m apart`);
