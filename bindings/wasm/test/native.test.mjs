@@ -34,10 +34,12 @@ function angle_rad(T, { qw, qx, qy, qz }) {
 
 const quantile = (list, share) => [...list].sort((a, b) => a - b)[Math.floor(share * (list.length - 1))];
 
-for (const { clip, calibrated, tracked } of [
-  { clip: 'sample', calibrated: true, tracked: 200 },
-  { clip: 'select', calibrated: true, tracked: 200 },
-  { clip: 'wall', calibrated: false, tracked: 70 },
+// Roundings differ. Of a person who is learned while tracking they decide more: what was learned
+// otherwise in the first second stays.
+for (const { clip, calibrated, tracked, near_m, far_m, near_rad } of [
+  { clip: 'sample', calibrated: true, tracked: 200, near_m: 5e-4, far_m: 5e-3, near_rad: 5e-3 },
+  { clip: 'select', calibrated: true, tracked: 200, near_m: 5e-4, far_m: 5e-3, near_rad: 5e-3 },
+  { clip: 'wall', calibrated: false, tracked: 70, near_m: 3e-3, far_m: 15e-3, near_rad: 0.03 },
 ]) {
   test(`${clip}: the poses of the program`, { skip }, async () => {
     const camera_file = data(`${clip}/camera.yml`), hand_file = data(`${clip}/hand.json`);
@@ -60,9 +62,9 @@ for (const { clip, calibrated, tracked } of [
     assert.ok(otherStates <= 0.06 * frames, `${otherStates} of ${frames} states differ`);
     assert.ok(apart_m.length >= tracked, `${apart_m.length} frames are tracked by both`);
     assert.ok(apart_m[0] < 5e-4, `the first pose is ${apart_m[0]} m off`);
-    assert.ok(quantile(apart_m, 0.5) < 1e-3, `poses are ${quantile(apart_m, 0.5)} m apart`);
-    assert.ok(quantile(apart_m, 0.95) < 5e-3, `19 of 20 poses are within ${quantile(apart_m, 0.95)} m`);
-    assert.ok(quantile(apart_rad, 0.5) < 5e-3, `poses are ${quantile(apart_rad, 0.5)} rad apart`);
+    assert.ok(quantile(apart_m, 0.5) < near_m, `poses are ${quantile(apart_m, 0.5)} m apart`);
+    assert.ok(quantile(apart_m, 0.95) < far_m, `19 of 20 poses are within ${quantile(apart_m, 0.95)} m`);
+    assert.ok(quantile(apart_rad, 0.5) < near_rad, `poses are ${quantile(apart_rad, 0.5)} rad apart`);
   });
 }
 
