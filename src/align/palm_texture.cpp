@@ -286,7 +286,7 @@ void PalmTexture::learn(const ImageView& frame, const Camera& camera, Appearance
   }
   place(seen, alignment, views);
   frames_ = static_cast<int>(std::min(frames_ + 1.0, 1 / blend));
-  const float share = 1.0f / static_cast<float>(std::max(frames_, 1));
+  const float share = 1.0f / static_cast<float>(frames_);
   for (int i = 0; i < kCells; ++i)
     texture_[i] += share * seen.weight[i] * seen.error[i] / seen.gain;
 }

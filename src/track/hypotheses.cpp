@@ -30,8 +30,6 @@ constexpr std::array<Start, 6> kStarts{
     {{{0, 0}, 0}, {{0.4, 0}, 0}, {{-0.4, 0}, 0}, {{0, 0.4}, 0}, {{0, -0.4}, 0}, {{0, 0}, 0.7}}};
 // Two planar solutions that end this near to each other are one.
 constexpr double kSame_rad = 0.1;
-// No frame stands for longer than this.
-constexpr double kLongest_s = 0.1;
 // What was given up is thought of again this often.
 constexpr double kReconsider_s = 1.0;
 

@@ -67,6 +67,9 @@ class Hypotheses {
 /// there or it has only just been seen.
 constexpr double kNear_m = 0.009, kFar_m = 0.021;
 
+/// No frame stands for longer than this.
+constexpr double kLongest_s = 0.1;
+
 /// Where a hand is `dt_s` later: it goes on as it went.
 Hypothesis predicted(const Hypothesis& hypothesis, double dt_s) noexcept;
 

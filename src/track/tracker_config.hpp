@@ -14,7 +14,9 @@ struct BeliefConfig {
   double give_up = -2.0;    ///< log odds below which it is lost
   double most = 8.0;        ///< no hand is believed more, so that it can be given up in time
   double most_frame = 4.0;  ///< no frame says more, either way
-  double same_s = 0.2;      ///< frames err alike for so long: what they say counts by their time
+  /// Frames err alike for so long: what they say counts by their time, the finder is asked this
+  /// often about a hand that is followed surely, and one that is read otherwise is doubtful.
+  double same_s = 0.2;
   double seen = 8.0;  ///< log ratio of a frame from which on a figure is seen to lie on a hand
   double doubt_rad =
       0.2;  ///< a pose whose orientation is less sure (standard deviation) is doubtful
@@ -31,12 +33,12 @@ struct MotionConfig {
   double boundary_sigma_px = 0.3;     ///< change of the outline's offset in a frame
 };
 
-/// How fast what is seen is learned, in seconds.
+/// How fast what is seen is learned.
 struct LearningConfig {
   double colors_s = 0.15;  ///< colours on both sides of the outline fade this fast
-  /// Of seeing a hand count as one independent view of its figure, in the first second; later this
-  /// share of the time that it has been seen: views come back, and the figure's errors with them.
-  double view_s = 0.1;
+  /// Of the time that a hand has been seen, a second at least: counts as one independent view of
+  /// its figure. Views come back, and the figure's errors with them.
+  double view_share = 0.1;
   double texture_s = 1.0;  ///< the look of the palm's skin fades this fast
 };
 

@@ -203,9 +203,8 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
   const bool is_seen = has_hand();
   if (is_seen) {
     const double share = std::clamp(dt_s / limits.same_s, 0.0, 1.0);
-    seen.belief =
-        std::min(seen.belief + share * evidence_of(seen.hypotheses.best().alignment, config.belief),
-                 limits.most);
+    seen.belief = std::min(
+        seen.belief + share * evidence_of(seen.hypotheses.best().alignment, limits), limits.most);
   }
   const bool was = seen.state == State::tracking || seen.state == State::lost;
   if (!is_seen || seen.belief < limits.give_up) {
@@ -256,11 +255,11 @@ void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
   aligner.learn(frame, camera, best.appearance, best.alignment.state, static_cast<float>(keep),
                 kMargin_m);
   if (seen.state == State::tracking) {
-    constexpr double kFirst_s = 1.0, kLongest_s = 0.1;
-    const double seen_s = std::min(dt_s, kLongest_s);
-    seen.learned_s += seen_s;
+    constexpr double kFirst_s = 1.0;
+    const double stands_for_s = std::min(dt_s, kLongest_s);
+    seen.learned_s += stands_for_s;
     const double views =
-        std::min(seen_s / (config.learning.view_s * std::max(1.0, seen.learned_s / kFirst_s)), 1.0);
+        stands_for_s / (config.learning.view_share * std::max(kFirst_s, seen.learned_s));
     aligner.learn_texture(frame, camera, best.appearance, best.alignment,
                           std::min(dt_s / config.learning.texture_s, 1.0), views);
     seen.hypotheses.learn_person(views);

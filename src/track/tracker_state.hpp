@@ -28,7 +28,7 @@ struct TrackerState {
   double changed_s = -std::numeric_limits<double>::infinity();
   Hypotheses hypotheses;
   Gestures gestures;
-  Person person;
+  Person person;         ///< as last learned; a new hand begins with it
   double learned_s = 0;  ///< for how long the person's figure has been learned
   PoseFilter filter;
   Layout filtered_layout = Layout::thumb_right;  ///< of the hand frame that the filter follows
