@@ -125,63 +125,85 @@ void Hypotheses::keep_distinct(const Hypothesis& h) noexcept {
   if (least(*rival, h)) *rival = h;
 }
 
-bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
-                       const Person& person, const TrackerConfig& config,
-                       Aligner& aligner) noexcept {
-  clear();
-  since_reconsidered_s_ = 0;
+namespace {
+
+/// A hand that is begun in a frame, by a person's figure.
+struct Beginning {
+  const ImageView& frame;
+  const Camera& camera;
+  const Person& person;
+  const TrackerConfig& config;
+  Aligner& aligner;
+
+  HandPrior prior_at(const Eigen::Isometry3d& T_camera_hand) const noexcept {
+    HandState expected;
+    expected.T_camera_hand = T_camera_hand;
+    expected.figure = person.mean();
+    return prior_around(expected, person, kLongAgo_s, config);
+  }
+
+  void align(Hypothesis& h, const HandPrior& prior, double reach_m, double left_m) noexcept {
+    const HandState from = h.alignment.state;
+    h.alignment = aligner.align(frame, camera, h.appearance, from, prior, reach_m, left_m);
+    h.log_weight = share_of(kLongest_s, config) * h.alignment.log_posterior;
+  }
+
+  /// Takes the colours that the hypothesis expects, and lays it on what they tell, ever nearer.
+  void settle(Hypothesis& h, const HandPrior& prior, std::span<const double> margins_m,
+              double stay) noexcept {
+    for (const double margin_m : margins_m) {
+      aligner.learn(frame, camera, h.appearance, h.alignment.state, kForgetAll, margin_m);
+      align(h, prior, kReach * margin_m, stay * margin_m);
+      if (!h.alignment.valid) return;
+    }
+  }
+};
+
+RoughTips rough_tips(const HandCandidate& candidate) {
   RoughTips tips;
   for (int f = 0; f < kFingerCount; ++f) tips.px[f] = candidate.tips_px[f].cast<double>();
   // Rough tips err by about this share of the hand's span.
   constexpr double kRough = 0.06;
   tips.sigma_px = std::max(1.0, kRough * (tips.px[0] - tips.px[4]).norm());
+  return tips;
+}
+
+}  // namespace
+
+bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
+                       const Person& person, const TrackerConfig& config,
+                       Aligner& aligner) noexcept {
+  clear();
+  since_reconsidered_s_ = 0;
   aligner.forget();
-  const auto prior_at = [&](const Eigen::Isometry3d& T_camera_hand) {
-    HandState expected;
-    expected.T_camera_hand = T_camera_hand;
-    expected.figure = person.mean();
-    return prior_around(expected, person, kLongAgo_s, config);
-  };
-  const auto settle = [&](Hypothesis& h, const HandPrior& prior, std::span<const double> margins_m,
-                          double stay) {
-    for (const double margin_m : margins_m) {
-      if (!h.alignment.valid) return;
-      const HandState& from = h.alignment.state;
-      aligner.learn(frame, camera, h.appearance, from, kForgetAll, margin_m);
-      h.alignment = aligner.align(frame, camera, h.appearance, from, prior, kReach * margin_m,
-                                  stay * margin_m);
-    }
-    h.log_weight = share_of(kLongest_s, config) * h.alignment.log_posterior;
-  };
+  Beginning beginning{frame, camera, person, config, aligner};
+  const RoughTips tips = rough_tips(candidate);
   for (const Face face : {Face::palm, Face::back}) {
     if (config.user.side && side_of(face, candidate.layout) != *config.user.side) continue;
     const HandFigure figure = make_figure(person.mean(), face, candidate.layout);
     for (const auto& [tilt_rad, closing] : kStarts) {
-      Posture posture;
-      for (int f = 0; f < kFingerCount; ++f) posture.abduction_rad[f] = closing * kClosing_rad[f];
-      const HandPrior prior =
-          prior_at(start_pose(tips, pose_fingers(figure, posture).tips_m, camera, tilt_rad));
       Hypothesis h;
       h.appearance = {face, candidate.layout};
       h.person = person;
-      h.alignment.state = prior.mean;
-      h.alignment.state.posture = posture;
-      h.alignment.valid = true;
-      settle(h, prior, kRoughly_m, kStay);
+      HandState& state = h.alignment.state;
+      state.figure = person.mean();
+      for (int f = 0; f < kFingerCount; ++f)
+        state.posture.abduction_rad[f] = closing * kClosing_rad[f];
+      state.T_camera_hand =
+          start_pose(tips, pose_fingers(figure, state.posture).tips_m, camera, tilt_rad);
+      beginning.settle(h, beginning.prior_at(state.T_camera_hand), kRoughly_m, kStay);
       keep_distinct(h);
     }
   }
   Hypotheses rough = *this;
   clear();
   for (Hypothesis& h : std::span(rough.items_.data(), rough.count_)) {
-    const HandPrior prior = prior_at(h.alignment.state.T_camera_hand);
-    settle(h, prior, kFinely_m, 0);
+    const HandPrior prior = beginning.prior_at(h.alignment.state.T_camera_hand);
+    beginning.settle(h, prior, kFinely_m, 0);
     keep_distinct(h);
     if (!h.alignment.valid) continue;
-    HandState& other = h.alignment.state;
-    other.T_camera_hand = other_planar_solution(other.T_camera_hand);
-    h.alignment = aligner.align(frame, camera, h.appearance, other, prior, kFar_m);
-    h.log_weight = share_of(kLongest_s, config) * h.alignment.log_posterior;
+    h.alignment.state.T_camera_hand = other_planar_solution(h.alignment.state.T_camera_hand);
+    beginning.align(h, prior, kFar_m, 0);
     keep_distinct(h);
   }
   sort_and_prune(config.belief.most);
