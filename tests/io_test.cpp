@@ -121,6 +121,7 @@ TEST_F(IoTest, CameraIsReadBackAsWritten) {
   Camera camera = Camera::from_field_of_view(1280, 720);
   camera.fy_px = 1111.0 / 3.0;
   camera.distortion = {0.1, -0.2, 1e-5, 0, 12.5};
+  camera.readout_s = 0.025;
   write_camera(path("camera.yml"), camera);
   const Camera read = read_camera(path("camera.yml"));
   EXPECT_EQ(read.width_px, 1280);
@@ -130,6 +131,7 @@ TEST_F(IoTest, CameraIsReadBackAsWritten) {
   EXPECT_EQ(read.cx_px, camera.cx_px);
   EXPECT_EQ(read.cy_px, camera.cy_px);
   EXPECT_EQ(read.distortion, camera.distortion);
+  EXPECT_EQ(read.readout_s, 0.025);
   EXPECT_FALSE(read.assumed);
   EXPECT_EQ(files(), 1u);
 }
@@ -180,6 +182,10 @@ TEST_F(IoTest, FaultyCameraFilesAreRefusedByField) {
       {"cols: 5\n   dt: d\n   data: [ 0.0, 0.0, 0.0, 0.0, 0.0",
        "cols: 8\n   dt: d\n   data: [ 0., 0., 0., 0., 0., 0.1, 0., 0.",
        "distortion_coefficients: k4, k5, k6 are not supported, only zero"},
+      {"image_width", "readout_s: 0.02\nimage_width", ""},
+      {"image_width", "readout_s: 25\nimage_width", "readout_s must be a number from 0 to 0.1"},
+      {"image_width", "readout_s: .nan\nimage_width", "readout_s must be a number from 0 to 0.1"},
+      {"image_width", "readout_s: all\nimage_width", "readout_s must be a number from 0 to 0.1"},
   };
   for (const auto& c : cases) {
     const std::string text = replaced(camera_text(), c.what, c.by);

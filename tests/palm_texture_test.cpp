@@ -36,10 +36,16 @@ class PalmTextureTest : public testing::Test {
     return picture;
   }
 
+  static HandState state_at(const Eigen::Isometry3d& T_camera_hand) {
+    HandState state;
+    state.T_camera_hand = T_camera_hand;
+    return state;
+  }
+
   void learn(const Eigen::Isometry3d& T_camera_hand, Appearance appearance = {}) {
     Alignment a;
     a.valid = true;
-    a.state.T_camera_hand = T_camera_hand;
+    a.state = state_at(T_camera_hand);
     HandVector sigma = HandVector::Constant(1);
     sigma.head<3>().setConstant(deg(3));
     sigma.segment<3>(3).setConstant(0.004);
@@ -53,7 +59,7 @@ class PalmTextureTest : public testing::Test {
     for (int i = 0; i < 8; ++i) {
       HandMatrix H = 1e-2 * HandMatrix::Identity();
       HandVector g = HandVector::Zero();
-      texture.pull(picture.view(), camera, appearance, state.T_camera_hand, H, g);
+      texture.pull(picture.view(), camera, appearance, state, H, g);
       state.correct(H.llt().solve(g));
     }
     return state.T_camera_hand;
@@ -91,7 +97,7 @@ TEST_F(PalmTextureTest, SaysTheMoreTheMoreViewsThereWere) {
     for (int i = 0; i < frames; ++i) learn(tilted(straight, deg(i), 0));
     HandMatrix H = HandMatrix::Zero();
     HandVector g = HandVector::Zero();
-    texture.pull(picture_of(straight).view(), camera, {}, straight, H, g);
+    texture.pull(picture_of(straight).view(), camera, {}, state_at(straight), H, g);
     EXPECT_GT(H(0, 0), 1.5 * before) << frames;
     // It lies where the outlines said, so it is never surer than they were together.
     EXPECT_LT(H(0, 0), 0.1 * frames / (deg(3) * deg(3)));
@@ -103,7 +109,7 @@ TEST_F(PalmTextureTest, SaysNothingOfWhatItHasNotSeen) {
   const auto silent = [&](Appearance appearance, const Eigen::Isometry3d& T_camera_hand) {
     HandMatrix H = HandMatrix::Zero();
     HandVector g = HandVector::Zero();
-    texture.pull(picture_of(straight).view(), camera, appearance, T_camera_hand, H, g);
+    texture.pull(picture_of(straight).view(), camera, appearance, state_at(T_camera_hand), H, g);
     EXPECT_TRUE(H.allFinite() && g.allFinite());
     return H.isZero(0) && g.isZero(0);
   };

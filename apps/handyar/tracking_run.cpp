@@ -290,6 +290,11 @@ void add_tracker_files(CLI::App* options, TrackingRun& run) {
   options->add_option("--camera", run.camera_file, "Camera file (YAML); else 60 degrees assumed")
       ->type_name("FILE");
   options
+      ->add_option("--readout-ms", run.readout_ms,
+                   "Rolling shutter: from the first row's time to the last's; else the camera "
+                   "file's, else none")
+      ->check(between(0.0, 100.0));
+  options
       ->add_option("--hand", run.hand_file, "Hand file (JSON), or average, the average adult hand")
       ->type_name("FILE");
 }
@@ -304,7 +309,8 @@ Summary track(const TrackingRun& run) {
                     std::to_string(by) + ": " + std::to_string(source->info().width_px) + "x" +
                     std::to_string(source->info().height_px) + " pixels");
   }
-  const Camera camera = camera_of(run, source->info(), notes);
+  Camera camera = camera_of(run, source->info(), notes);
+  if (run.readout_ms) camera.readout_s = *run.readout_ms / 1000;
   const HandModel hand = hand_of(run, notes);
   catch_interrupts();  // from here on there are files to finish
   Outputs outputs(run, source->info());

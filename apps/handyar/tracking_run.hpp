@@ -30,6 +30,7 @@ struct TrackingRun {
   std::string input;
   io::CameraSettings camera_settings;
   std::string camera_file, hand_file;
+  std::optional<double> readout_ms;  ///< instead of the camera file's
   std::string poses_out, video_out, events_out, record_out;
   std::string debug_folder;  ///< for the stages of `debug_frames`
   FrameSet debug_frames;
@@ -46,7 +47,7 @@ struct TrackingRun {
   bool mirrored = false;              ///< the pictures, as one sees oneself
 };
 
-/// The options --camera and --hand of a subcommand that tracks.
+/// The options --camera, --readout-ms and --hand of a subcommand that tracks.
 void add_tracker_files(CLI::App* options, TrackingRun& run);
 
 struct Summary {

@@ -19,7 +19,10 @@ struct HANDYAR_API Camera {
   double cx_px = 319.5;
   double cy_px = 239.5;
   std::array<double, 5> distortion{};  ///< k1, k2, p1, p2, k3
-  bool assumed = false;                ///< not calibrated: a field of view was taken for granted
+  /// Rolling shutter: from the time of the first row to that of the last; 0: all at once. Poses are
+  /// those at the time of the middle row.
+  double readout_s = 0;
+  bool assumed = false;  ///< not calibrated: a field of view was taken for granted
 
   /// A camera without distortion that sees `fov_rad` across the longer side of the picture.
   [[nodiscard]] static Camera from_field_of_view(int width_px, int height_px,
@@ -27,6 +30,11 @@ struct HANDYAR_API Camera {
 
   /// The same camera read out at another size of the same aspect; an assumed one: of any aspect.
   [[nodiscard]] Camera scaled_to(int width_px, int height_px) const;
+
+  /// When a row is read, after the middle one.
+  [[nodiscard]] double row_time_s(double y_px) const noexcept {
+    return ((y_px + 0.5) / height_px - 0.5) * readout_s;
+  }
 
   /// Pixel of a point in the camera frame (metres, z > 0). With `J_px_point`, its 2x3 Jacobian.
   [[nodiscard]] Eigen::Vector2d project(

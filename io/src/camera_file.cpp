@@ -19,6 +19,7 @@ namespace handyar::io {
 namespace {
 
 constexpr int kMaxSide_px = 65536;
+constexpr double kLongestReadout_s = 0.1;
 constexpr int kMaxBegun = 5000;  // values that may hold others; four times as many fit the stack
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf", kFirstLines = "%YAML:1.0\n---\n";
 
@@ -125,6 +126,16 @@ class Reader {
     return values;
   }
 
+  // 0 where there is none.
+  double seconds(const char* key, double most) const {
+    const cv::FileNode node = storage_[key];
+    if (node.empty()) return 0;
+    const double value = node.isInt() || node.isReal() ? static_cast<double>(node) : -1;
+    if (!(value >= 0 && value <= most))
+      fail(std::string(key) + " must be a number from 0 to " + std::to_string(most).substr(0, 3));
+    return value;
+  }
+
   std::string text(const char* key) const {
     const cv::FileNode node = storage_[key];
     return node.isString() ? static_cast<std::string>(node) : std::string();
@@ -226,6 +237,7 @@ Camera parse_camera(std::string_view text, std::string_view name) {
     read_intrinsics(file, camera);
     read_distortion(file, camera);
     require_unfolded(file, camera);
+    camera.readout_s = file.seconds("readout_s", kLongestReadout_s);
     return camera;
   } catch (const cv::Exception&) {
     throw Error(name, "is not a camera file (YAML)");
@@ -244,7 +256,12 @@ void write_camera(const std::string& path, const Camera& camera) {
   text +=
       " ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data: [ ";
   for (std::size_t i = 0; i < 5; ++i) append(text += i == 0 ? "" : ", ", camera.distortion[i]);
-  write_text(path, text + " ]\n");
+  text += " ]\n";
+  if (camera.readout_s > 0) {
+    append(text += "readout_s: ", camera.readout_s);
+    text += '\n';
+  }
+  write_text(path, text);
 }
 
 Camera camera_for_size(const Camera& camera, int width_px, int height_px, const std::string& path) {

@@ -56,6 +56,19 @@ HANDYAR_VECTORISED void add_square(const double* J, double weight, double* H) no
   }
 }
 
+/// How far outside of the figure's outline the picture shows it: by blur and halo, and by how the
+/// hand moves until its row is read.
+float shown_outside_px(const Camera& camera, const HandView& view, const Silhouette& silhouette,
+                       const OutlineAnchor& anchor, const OutlinePlace& place,
+                       const HandState& state) {
+  double outside_px = state.boundary_px;
+  if (camera.readout_s > 0) {
+    const double late_s = camera.row_time_s(view.to_frame(place.px).y());
+    outside_px += late_s * silhouette.derivative(anchor, place).head<6>().dot(state.velocity);
+  }
+  return static_cast<float>(outside_px);
+}
+
 /// Points inside a part: along a finger's axis, or spread over the palm.
 constexpr int kMostInside = 16;
 using Inside = Eigen::Matrix<double, 3, kMostInside>;
@@ -82,6 +95,13 @@ Inside points_inside(const PosedFigure& posed, int part) {
 }
 
 }  // namespace
+
+Eigen::Isometry3d HandState::pose_after(double dt_s) const noexcept {
+  Eigen::Isometry3d T = T_camera_hand;
+  T.linear() = so3::exp(dt_s * velocity.head<3>()).toRotationMatrix() * T.linear();
+  T.translation() += dt_s * velocity.tail<3>();
+  return T;
+}
 
 void HandState::correct(const HandVector& step) noexcept {
   T_camera_hand.linear() = (so3::exp(step.head<3>()) * Eigen::Quaterniond(T_camera_hand.linear()))
@@ -176,8 +196,8 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   for (int i = 0; i < anchor_count; ++i) {
     const OutlineAnchor& anchor = anchors[i];
     OutlinePlace place = silhouette.place(anchor);
-    const Eigen::Matrix<double, 1, kHandFreedoms> J = silhouette.derivative(anchor, place);
-    place.px += static_cast<float>(a.state.boundary_px) * place.normal;
+    const OutlineDerivative J = silhouette.derivative(anchor, place);
+    place.px += shown_outside_px(camera, view, silhouette, anchor, place, a.state) * place.normal;
     const int finger = finger_of(anchor.a);
     const BoundaryLine line(reader, view, place, segment_px, anchor.inside_px, anchor.outside_px);
     if (!line.inside_frame()) continue;
@@ -196,7 +216,7 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   if (outline_count < kLeastLines) return false;
   const HandVector off = a.state.difference(prior.mean), pull = prior.information * off;
   if (iteration + kTextureSteps >= kSegments.size())
-    texture.pull(frame, camera, appearance, a.state.T_camera_hand, H, g);
+    texture.pull(frame, camera, appearance, a.state, H, g);
   H += prior.information;
   g += pull;
   a.information = H;
@@ -262,7 +282,7 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
   for (int i = 0; i < count; ++i) {
     const OutlineAnchor& anchor = impl_->anchors[i];
     OutlinePlace place = silhouette.place(anchor);
-    place.px += static_cast<float>(state.boundary_px) * place.normal;
+    place.px += shown_outside_px(camera, view, silhouette, anchor, place, state) * place.normal;
     const BoundaryLine line(reader, view, place, step, anchor.inside_px, anchor.outside_px);
     const int finger = finger_of(anchor.a);
     if (colors_count && line.inside_frame() && line.find(impl_->colors, finger, true).log_ratio < 0)

@@ -106,6 +106,11 @@ std::array<Field, 3> palm_surface(const HandFigure& figure) {
   return surface;
 }
 
+/// The pose at the time at which the palm's rows are read.
+Eigen::Isometry3d pose_at_palm(const Camera& camera, const HandState& state) {
+  return state.pose_after(camera.row_time_s(camera.project(state.T_camera_hand.translation()).y()));
+}
+
 /// Sum of products, in one order in every build.
 HANDYAR_VECTORISED float dot(const Field& a, const Field& b) noexcept {
   constexpr int kLanes = 8;
@@ -252,9 +257,9 @@ PalmTexture::Pull PalmTexture::compare(const Sight& sight,
 }
 
 void PalmTexture::pull(const ImageView& frame, const Camera& camera, Appearance appearance,
-                       const Eigen::Isometry3d& T_camera_hand, HandMatrix& H,
-                       HandVector& g) const noexcept {
+                       const HandState& state, HandMatrix& H, HandVector& g) const noexcept {
   if (frames_ < kFewest || !knows(appearance)) return;
+  const Eigen::Isometry3d T_camera_hand = pose_at_palm(camera, state);
   const Eigen::Isometry3d T_camera_grid = T_camera_hand * T_hand_grid_;
   const Pull seen = compare(Sight(frame, camera, surface_m_, T_camera_grid), T_camera_grid);
   if (!seen.valid) return;
@@ -265,7 +270,7 @@ void PalmTexture::pull(const ImageView& frame, const Camera& camera, Appearance 
 
 void PalmTexture::learn(const ImageView& frame, const Camera& camera, Appearance appearance,
                         const Alignment& alignment, double blend, double views) noexcept {
-  const Eigen::Isometry3d& T_camera_hand = alignment.state.T_camera_hand;
+  const Eigen::Isometry3d T_camera_hand = pose_at_palm(camera, alignment.state);
   surface_m_ =
       palm_surface(make_figure(alignment.state.figure, appearance.face, appearance.layout));
   const bool known = knows(appearance);
@@ -284,7 +289,7 @@ void PalmTexture::learn(const ImageView& frame, const Camera& camera, Appearance
     --frames_;  // blurred or hidden in one frame, it is still known in the next
     return;
   }
-  place(seen, alignment, views);
+  place(seen, T_camera_hand, alignment, views);
   frames_ = static_cast<int>(std::min(frames_ + 1.0, 1 / blend));
   const float share = 1.0f / static_cast<float>(frames_);
   for (int i = 0; i < kCells; ++i)
@@ -292,8 +297,8 @@ void PalmTexture::learn(const ImageView& frame, const Camera& camera, Appearance
 }
 
 /// Where the grid lies on the hand, by one more outline.
-void PalmTexture::place(const Pull& seen, const Alignment& alignment, double views) noexcept {
-  const Eigen::Isometry3d& T_camera_hand = alignment.state.T_camera_hand;
+void PalmTexture::place(const Pull& seen, const Eigen::Isometry3d& T_camera_hand,
+                        const Alignment& alignment, double views) noexcept {
   const Eigen::LLT<Matrix6d> llt(seen.H + place_information(T_camera_hand));
   // The outline's information of the pose: that of all, less the texture's part of it.
   const Matrix6d outline = pose_information(alignment.information) - through(seen.H, llt);

@@ -25,7 +25,7 @@ class PalmTexture {
   /// Adds what a frame's texture says of the pose to the information of a state and to the gradient
   /// that belongs to it (Gauss-Newton); nothing while this face is not known.
   void pull(const ImageView& frame, const Camera& camera, Appearance appearance,
-            const Eigen::Isometry3d& T_camera_hand, HandMatrix& H, HandVector& g) const noexcept;
+            const HandState& state, HandMatrix& H, HandVector& g) const noexcept;
 
   /// Takes what a frame shows where the figure was laid on it: `blend` is its share of the texture
   /// and `views` how many independent views of the grid's place on the hand it counts for.
@@ -46,7 +46,8 @@ class PalmTexture {
   Pull compare(const Sight& sight, const Eigen::Isometry3d& T_camera_grid) const noexcept;
   std::array<Field, 6> derivative(const Sight& sight, float gain,
                                   const Eigen::Vector3d& origin_m) const noexcept;
-  void place(const Pull& seen, const Alignment& alignment, double views) noexcept;
+  void place(const Pull& seen, const Eigen::Isometry3d& T_camera_hand, const Alignment& alignment,
+             double views) noexcept;
   bool knows(Appearance appearance) const noexcept;
   Matrix6d place_information(const Eigen::Isometry3d& T_camera_hand) const noexcept;
 

@@ -27,6 +27,8 @@ struct OutlinePlace {
   Eigen::Vector2f px, normal;  ///< outwards
 };
 
+using OutlineDerivative = Eigen::Matrix<double, 1, kHandFreedoms>;
+
 /// Tapered capsules in a view, each pair of spheres that a hull has once.
 struct Capsules {
   static constexpr int kMost = 64;  ///< a multiple of a vector's width
@@ -54,8 +56,8 @@ class Silhouette {
   OutlinePlace place(const OutlineAnchor& anchor) const noexcept;
 
   /// Derivative of the outline's displacement along its normal there.
-  Eigen::Matrix<double, 1, kHandFreedoms> derivative(const OutlineAnchor& anchor,
-                                                     const OutlinePlace& place) const noexcept;
+  OutlineDerivative derivative(const OutlineAnchor& anchor,
+                               const OutlinePlace& place) const noexcept;
 
   /// Distance of a point from the figure and the forearm, negative inside; px.
   float distance_px(const Eigen::Vector2f& p) const noexcept;

@@ -102,7 +102,7 @@ void Gestures::remember(const Hypothesis& open, double dt_s) noexcept {
 void Gestures::carry(Gesture posture, double dt_s) noexcept {
   Alignment palm = laid(posture);
   palm.state.T_camera_hand.translate(Eigen::Vector3d(0, kLower_m[static_cast<int>(posture)], 0));
-  hand_.velocity = hand_.alignment.state.difference(palm.state).head<6>() / dt_s;
+  palm.state.velocity = hand_.alignment.state.difference(palm.state).head<6>() / dt_s;
   hand_.alignment = palm;
 }
 

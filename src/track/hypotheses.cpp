@@ -6,7 +6,6 @@
 #include <cmath>
 #include <span>
 
-#include "pose/so3.hpp"
 #include "track/start_pose.hpp"
 
 namespace handyar {
@@ -49,15 +48,6 @@ void turn_over(Hypothesis& h) {
 }
 
 }  // namespace
-
-Hypothesis predicted(const Hypothesis& h, double dt_s) noexcept {
-  Hypothesis next = h;
-  const Eigen::Matrix<double, 6, 1> move = dt_s * h.velocity;
-  Eigen::Isometry3d& T = next.alignment.state.T_camera_hand;
-  T.linear() = so3::exp(move.head<3>()).toRotationMatrix() * T.linear();
-  T.translation() += move.tail<3>();
-  return next;
-}
 
 HandPrior prior_around(const HandState& expected, const Person& person, double dt_s,
                        const TrackerConfig& config) noexcept {
@@ -219,13 +209,16 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
   const double share = share_of(dt_s, config);
   for (int i = count_ - 1; i >= 0; --i) {  // the best last: its outline is the one to show
     Hypothesis& h = items_[i];
-    const HandState before = h.alignment.state, expected = predicted(h, dt_s).alignment.state;
+    const HandState before = h.alignment.state;
+    HandState expected = before;
+    expected.T_camera_hand = before.pose_after(dt_s);
     const HandPrior prior = prior_around(expected, h.person, dt_s, config);
     h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kNear_m);
     if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen)
       h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kFar_m);
     if (!h.alignment.valid) continue;
-    h.velocity = before.difference(h.alignment.state).head<6>() / dt_s;
+    HandState& now = h.alignment.state;
+    now.velocity = before.difference(now).head<6>() / dt_s;
     turn_over(h);
     h.log_weight += share * h.alignment.log_posterior;
   }
@@ -254,6 +247,7 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera,
   if (other_face) appearance.face = opposite(appearance.face);
   HandState start = now.alignment.state;
   start.posture = {};
+  start.velocity.setZero();
   if (other_plane) start.T_camera_hand = other_planar_solution(start.T_camera_hand);
   Hypothesis alternative;
   alternative.appearance = appearance;

@@ -18,8 +18,7 @@ namespace handyar {
 struct Hypothesis {
   Appearance appearance;
   Alignment alignment;
-  Eigen::Matrix<double, 6, 1> velocity = Eigen::Matrix<double, 6, 1>::Zero();  ///< a second
-  Person person;                                                               ///< as it sees them
+  Person person;          ///< as it sees them
   double log_weight = 0;  ///< evidence so far, nats
 };
 
@@ -69,9 +68,6 @@ constexpr double kNear_m = 0.009, kFar_m = 0.021;
 
 /// No frame stands for longer than this.
 constexpr double kLongest_s = 0.1;
-
-/// Where a hand is `dt_s` later: it goes on as it went.
-Hypothesis predicted(const Hypothesis& hypothesis, double dt_s) noexcept;
 
 constexpr double kLongAgo_s = std::numeric_limits<double>::infinity();
 

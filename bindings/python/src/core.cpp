@@ -39,17 +39,20 @@ void bind_camera(py::module_& m) {
 Camera frame: x right, y down, z forward, in metres. Pixels: the centre of the top-left pixel is
 (0, 0). Distortion: k1, k2, p1, p2, k3 (Brown-Conrady).)")
       .def(py::init([](int width_px, int height_px, double fx_px, double fy_px, double cx_px,
-                       double cy_px, const std::array<double, 5>& distortion) {
+                       double cy_px, const std::array<double, 5>& distortion, double readout_s) {
              if (width_px < 1 || height_px < 1)
                throw py::value_error("width_px, height_px: the size of a picture is wanted");
              if (!(fx_px > 0 && fy_px > 0))
                throw py::value_error("fx_px, fy_px: focal lengths are positive");
-             return Camera{width_px, height_px, fx_px, fy_px, cx_px, cy_px, distortion};
+             if (!(readout_s >= 0))
+               throw py::value_error("readout_s: from the first row's time to the last's, or 0");
+             return Camera{width_px, height_px, fx_px, fy_px, cx_px, cy_px, distortion, readout_s};
            }),
            "width_px"_a, "height_px"_a, py::kw_only(), "fx_px"_a, "fy_px"_a, "cx_px"_a, "cy_px"_a,
-           "distortion"_a = std::array<double, 5>{},
+           "distortion"_a = std::array<double, 5>{}, "readout_s"_a = 0.0,
            "A calibrated camera: picture size, focal lengths and principal point in pixels, "
-           "distortion as five numbers k1, k2, p1, p2, k3.")
+           "distortion as five numbers k1, k2, p1, p2, k3; for a rolling shutter the seconds from "
+           "the first row to the last.")
       .def_static(
           "from_field_of_view", &Camera::from_field_of_view, "width_px"_a, "height_px"_a,
           "fov_rad"_a = std::numbers::pi / 3,
@@ -74,6 +77,8 @@ Camera frame: x right, y down, z forward, in metres. Pixels: the centre of the t
             return array(Eigen::Map<const Eigen::Matrix<double, 5, 1>>(c.distortion.data()));
           },
           "k1, k2, p1, p2, k3, shape (5,), as OpenCV has them.")
+      .def_readonly("readout_s", &Camera::readout_s,
+                    "Rolling shutter: seconds from the first row to the last; 0: all at once.")
       .def("scaled_to", &Camera::scaled_to, "width_px"_a, "height_px"_a,
            "The same camera read out at another size of the same aspect (nothing cropped).")
       .def(

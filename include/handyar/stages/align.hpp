@@ -29,6 +29,12 @@ struct HandState {
   Posture posture;
   double boundary_px = 0;
   FigureCoefficients figure = FigureCoefficients::Zero();
+  /// Of the pose, a second: rotation on the left, translation. Not estimated in a frame: it tells
+  /// where the hand was when other rows than the middle one were read, and will be.
+  Eigen::Matrix<double, 6, 1> velocity = Eigen::Matrix<double, 6, 1>::Zero();
+
+  /// The pose so much later.
+  Eigen::Isometry3d pose_after(double dt_s) const noexcept;
 
   void correct(const HandVector& step) noexcept;
   HandVector difference(const HandState& other) const noexcept;  ///< other minus this
