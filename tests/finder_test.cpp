@@ -59,7 +59,10 @@ class DrawnMaps {
     HandCandidates hands;
     read_constellations(FinderMaps(numbers_), hands);
     hands.sort();
-    return hands.items().empty() ? HandCandidate{.log_odds = -9} : hands.items()[0];
+    if (!hands.items().empty()) return hands.items()[0];
+    HandCandidate none{};
+    none.log_odds = -9;
+    return none;
   }
 
  private:

@@ -17,8 +17,30 @@ using Network = FinderNetwork;
 constexpr int kMostReads = 4;
 // The second look takes in so many spans around the hand.
 constexpr float kSecondLook = 2.6f;
+// Fingertips that are nearer than this share of a hand's reach are the same.
+constexpr float kSameTips = 0.25f;
 
 }  // namespace
+
+float HandPlace::reach_px() const noexcept {
+  float reach_px = 0;
+  for (const Eigen::Vector2f& tip_px : tips_px)
+    reach_px = std::max(reach_px, (tip_px - palm_px).norm());
+  return reach_px;
+}
+
+bool HandPlace::same_tips(const HandPlace& other) const noexcept {
+  const float near_px = kSameTips * other.reach_px();
+  for (int f = 0; f < kFingerCount; ++f)
+    if ((tips_px[f] - other.tips_px[f]).norm() > near_px) return false;
+  return true;
+}
+
+FinderRegion HandPlace::region(float width_px) const noexcept {
+  Eigen::Vector2f around_px = palm_px;
+  for (const Eigen::Vector2f& tip_px : tips_px) around_px += tip_px;
+  return {around_px / (1 + kFingerCount), width_px};
+}
 
 struct HandFinder::Impl {
   Network network;
@@ -113,12 +135,8 @@ std::span<const HandCandidate> HandFinder::search(const ImageView& frame) noexce
     const Eigen::Vector2f off = Eigen::Vector2f(part[0], part[1]).cwiseProduct(size);
     finder.look(frame, {middle + off, 0.5f * whole});
   }
-  if (const auto found = finder.candidates.items(); !found.empty()) {
-    const HandCandidate best = found[0];
-    Eigen::Vector2f around = best.palm_px;
-    for (const Eigen::Vector2f& tip : best.tips_px) around += tip;
-    finder.look(frame, {around / (1 + kFingerCount), kSecondLook * best.span_px()});
-  }
+  if (const auto found = finder.candidates.items(); !found.empty())
+    finder.look(frame, found[0].region(kSecondLook * found[0].span_px()));
   const auto found = finder.candidates.items();
   // Where a hand is likely the next frame is searched in the same way.
   if (found.empty() || found[0].log_odds < 0) ++finder.turn;

@@ -11,9 +11,9 @@ namespace {
 // What an aligned figure's log ratio says of there being a hand at all: a figure is laid as well as
 // it can be on anything, so it speaks for a hand only from here on, and less than it claims.
 constexpr double kEven = 10.5, kClaim = 0.4;
-// The finder reads a hand as it is followed when each fingertip is this near, in shares of the
-// distance from the palm to the farthest; otherwise when only the palms are as near as this.
-constexpr float kSameTips = 0.25f, kSamePalm = 0.8f;
+// The finder reads a hand that is followed otherwise when only the palms are as near as this share
+// of the hand's reach.
+constexpr float kSamePalm = 0.8f;
 // Candidates less likely than this are not worth the time of laying a figure on them: of a door and
 // four fingers one is believed for 9 frames at -2.
 constexpr double kWorthTrying = -1.0;
@@ -100,32 +100,28 @@ const Hypothesis* HandTracker::Impl::in_view() const noexcept {
   return has_hand() ? &seen.hypotheses.best() : nullptr;
 }
 
-HandTracker::Impl::Followed HandTracker::Impl::place_of(const Hypothesis& its) const noexcept {
+HandPlace HandTracker::Impl::place_of(const Hypothesis& its) const noexcept {
   const HandState& state = its.alignment.state;
   const HandFigure figure = make_figure(state.figure, its.appearance.face, its.appearance.layout);
   const PosedFigure posed = pose_fingers(figure, state.posture);
-  Followed now;
+  HandPlace now;
   const auto shown = [&](const Eigen::Vector3d& p) {
     return camera.project(state.T_camera_hand * p).cast<float>().eval();
   };
   now.palm_px = shown(Eigen::Vector3d::Zero());
   for (int f = 0; f < kFingerCount; ++f) now.tips_px[f] = shown(posed.tips_m.col(f));
-  for (const Eigen::Vector2f& tip : now.tips_px)
-    now.size_px = std::max(now.size_px, (tip - now.palm_px).norm());
   return now;
 }
 
 HandTracker::Impl::Reading HandTracker::Impl::compare(const HandCandidate& candidate,
-                                                      const Followed& now) const noexcept {
-  if ((candidate.palm_px - now.palm_px).norm() > kSamePalm * now.size_px) return Reading::elsewhere;
-  for (int f = 0; f < kFingerCount; ++f)
-    if ((candidate.tips_px[f] - now.tips_px[f]).norm() > kSameTips * now.size_px)
-      return Reading::otherwise;
-  return Reading::same;
+                                                      const HandPlace& now) const noexcept {
+  if ((candidate.palm_px - now.palm_px).norm() > kSamePalm * now.reach_px())
+    return Reading::elsewhere;
+  return candidate.same_tips(now) ? Reading::same : Reading::otherwise;
 }
 
 double HandTracker::Impl::verdict() const noexcept {
-  const Followed now = followed();
+  const HandPlace now = followed();
   double says = config.belief.give_up;  // unseen: it may be too tilted, or half hidden
   for (const HandCandidate& candidate : candidates) {
     if (is_of_other(candidate)) continue;
@@ -138,11 +134,9 @@ double HandTracker::Impl::verdict() const noexcept {
 
 void HandTracker::Impl::find(const ImageView& frame, bool only_there) noexcept {
   if (only_there) {
-    const Followed now = followed();
-    Eigen::Vector2f around = now.palm_px;
-    for (const Eigen::Vector2f& tip : now.tips_px) around += tip;
-    constexpr float kSizes = 3.9f;
-    candidates = finder.look(frame, {around / (1 + kFingerCount), kSizes * now.size_px});
+    constexpr float kReaches = 3.9f;
+    const HandPlace now = followed();
+    candidates = finder.look(frame, now.region(kReaches * now.reach_px()));
     if (verdict() > 0) return;
   }
   candidates = finder.search(frame);

@@ -53,17 +53,11 @@ struct HandTracker::Impl {
   const Hypothesis* in_view() const noexcept;
   void reset() noexcept;
 
-  /// The hand that is followed, in the frame.
-  struct Followed {
-    Eigen::Vector2f palm_px = Eigen::Vector2f::Zero();
-    std::array<Eigen::Vector2f, kFingerCount> tips_px{};
-    float size_px = 0;  ///< from the palm to the farthest tip
-  };
-  Followed place_of(const Hypothesis& its) const noexcept;
-  Followed followed() const noexcept { return place_of(seen.hypotheses.best()); }
+  HandPlace place_of(const Hypothesis& its) const noexcept;
+  HandPlace followed() const noexcept { return place_of(seen.hypotheses.best()); }
   /// How the finder reads the place where a hand is followed.
   enum class Reading { same, otherwise, elsewhere };
-  Reading compare(const HandCandidate& candidate, const Followed& now) const noexcept;
+  Reading compare(const HandCandidate& candidate, const HandPlace& now) const noexcept;
   double verdict() const noexcept;  ///< of the finder on the hand that is followed, log odds
   void find(const ImageView& frame, bool only_there) noexcept;
   void begin(const ImageView& frame) noexcept;

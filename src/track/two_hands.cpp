@@ -6,9 +6,9 @@
 namespace handyar {
 namespace {
 
-// Shares of the distance from a palm to its farthest fingertip. Two hands whose palms are nearer to
-// each other cannot both be found; two trackers whose fingertips are this near follow one hand.
-constexpr float kApart = 0.5f, kSameHand = 0.25f;
+// Two hands whose palms are nearer to each other than this share of their reach cannot both be
+// found.
+constexpr float kApart = 0.5f;
 // Beside a hand that is followed a second one is searched for this often.
 constexpr double kSearch_s = 0.1;
 
@@ -24,10 +24,10 @@ bool HandTracker::Impl::is_of_other(const HandCandidate& candidate) const noexce
   Eigen::Vector2f among_tips_px = Eigen::Vector2f::Zero();
   for (const Eigen::Vector2f& tip_px : candidate.tips_px) among_tips_px += tip_px / kFingerCount;
   // Where fingers are half closed the palm is ill told by their tips, which then lie about it.
-  const auto distance = [&](const Followed& its) {
+  const auto distance = [&](const HandPlace& its) {
     return std::min((candidate.palm_px - its.palm_px).norm(),
                     (among_tips_px - its.palm_px).norm()) /
-           its.size_px;
+           its.reach_px();
   };
   Hypothesis open = *other->in_view();  // as large as when its fingers are not folded
   open.alignment.state.posture = {};
@@ -48,10 +48,7 @@ bool HandTracker::Impl::is_for_other(const HandCandidate& candidate,
 
 bool HandTracker::Impl::follows_hand_of_other() const noexcept {
   if (other == nullptr || !other->has_hand()) return false;
-  const Followed mine = followed(), its = other->followed();
-  for (int f = 0; f < kFingerCount; ++f)
-    if ((mine.tips_px[f] - its.tips_px[f]).norm() > kSameHand * its.size_px) return false;
-  return seen.belief < other->seen.belief;
+  return followed().same_tips(other->followed()) && seen.belief < other->seen.belief;
 }
 
 bool HandTracker::Impl::may_search() const noexcept {

@@ -11,22 +11,32 @@
 
 namespace handyar {
 
-/// Where an open hand may be.
-struct HandCandidate {
-  Layout layout = Layout::thumb_right;
-  float log_odds = 0;  ///< of an open hand there against none
-  Eigen::Vector2f palm_px = Eigen::Vector2f::Zero();
-  std::array<Eigen::Vector2f, kFingerCount> tips_px{};  ///< rough: to some hundredths of the span
-  std::array<float, kFingerCount> tip_confidence{};     ///< 0 to 1; 0: by the others alone
-
-  /// Distance from thumb tip to little fingertip, pixels.
-  float span_px() const noexcept { return (tips_px[0] - tips_px[4]).norm(); }
-};
-
 /// A part of a frame, which may reach beyond it; pixels, from the top-left pixel's centre.
 struct FinderRegion {
   Eigen::Vector2f centre_px = Eigen::Vector2f::Zero();
   float width_px = 0;  ///< its height is three quarters of that
+};
+
+/// Where a hand is in a frame.
+struct HandPlace {
+  Eigen::Vector2f palm_px = Eigen::Vector2f::Zero();
+  std::array<Eigen::Vector2f, kFingerCount> tips_px{};
+
+  /// Distance from thumb tip to little fingertip, pixels.
+  float span_px() const noexcept { return (tips_px[0] - tips_px[4]).norm(); }
+  /// Distance from the palm to the farthest fingertip, pixels.
+  float reach_px() const noexcept;
+  /// Whether each fingertip is about where the other's is.
+  bool same_tips(const HandPlace& other) const noexcept;
+  /// A part of the frame with the hand in its middle.
+  FinderRegion region(float width_px) const noexcept;
+};
+
+/// Where an open hand may be: its fingertips are right to some hundredths of the span.
+struct HandCandidate : HandPlace {
+  Layout layout = Layout::thumb_right;
+  float log_odds = 0;                                ///< of an open hand there against none
+  std::array<float, kFingerCount> tip_confidence{};  ///< 0 to 1; 0: by the others alone
 };
 
 /// Finds open hands by a small convolutional network (tools/finder tells what it was trained on).
