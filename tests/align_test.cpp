@@ -131,7 +131,7 @@ TEST(StartPose, RoughTipsAreEnough) {
     for (int f = 0; f < kFingerCount; ++f)
       tips.px[f] = camera.project(truth * figure.tips_m.col(f).eval()) +
                    Eigen::Vector2d(gauss(rng, 8), gauss(rng, 8));
-    const auto error = test::pose_error(truth, start_pose(tips, figure.tips_m, camera, {}));
+    const auto error = test::pose_error(truth, start_pose(tips, figure.tips_m, camera, {}, 0.35));
     EXPECT_LT(error.head<3>().norm(), deg(60)) << "tilt is hardly seen";
     EXPECT_LT(error.tail<3>().norm(), 0.1);
   }

@@ -83,9 +83,9 @@ std::array<Eigen::Vector2f, kFingerCount> tips_in_cells() {
 TEST(Constellation, FingertipsThatLookAlikeAreToldByHowTheyLie) {
   const auto tips = tips_in_cells();
   DrawnMaps maps;
-  maps.peak(FinderNetwork::kPalms, {18.6f, 19.2f}, -2);
+  maps.peak(FinderNetwork::kPalms, {18.6f, 19.2f}, -1);
   for (int map = 0; map < kFingerCount; ++map)
-    for (const Eigen::Vector2f& tip : tips) maps.peak(FinderNetwork::kTips + map, tip, -0.5f);
+    for (const Eigen::Vector2f& tip : tips) maps.peak(FinderNetwork::kTips + map, tip, 0.5f);
   const HandCandidate hand = maps.likeliest();
   EXPECT_EQ(hand.layout, Layout::thumb_right);
   for (int f = 0; f < kFingerCount; ++f) EXPECT_LT((hand.tips_px[f] - tips[f]).norm(), 0.6f) << f;

@@ -75,6 +75,7 @@ class HANDYAR_API PoseFilter {
     double probability = 1.0 / kLevels;
   };
 
+  HANDYAR_INTERNAL Eigen::Matrix<double, 6, 1> usual_speed() const noexcept;
   HANDYAR_INTERNAL void start(double time_s, const PoseEstimate& measurement) noexcept;
   HANDYAR_INTERNAL void mix(double dt_s) noexcept;
   HANDYAR_INTERNAL bool refuse(double time_s, const PoseEstimate& measurement) noexcept;

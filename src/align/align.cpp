@@ -179,7 +179,6 @@ std::span<const OutlinePoint> Aligner::outline() const noexcept {
 bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearance appearance,
                          const HandPrior& prior, std::size_t iteration, bool choose,
                          Alignment& a) noexcept {
-  constexpr double kNearest_m = 0.03;
   if (!(a.state.T_camera_hand.translation().z() > kNearest_m)) return false;
   const HandView view(camera, a.state.T_camera_hand.translation());
   const Silhouette silhouette(appearance, a.state, view);

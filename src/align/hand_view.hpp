@@ -8,6 +8,9 @@
 
 namespace handyar {
 
+/// Nothing nearer than this to the camera is seen.
+inline constexpr double kNearest_m = 0.03;
+
 /// The picture as a camera without distortion would see it that looks straight at the hand: there
 /// spheres are discs, wherever in the frame and behind whatever lens the hand is. Its pixels have
 /// the frame's scale; (0, 0) is where it looks.

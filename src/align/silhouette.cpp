@@ -83,7 +83,6 @@ void Silhouette::project(Appearance appearance, const PosedFigure& posed, const 
   const Eigen::Matrix3d R = state.T_camera_hand.linear();
   const Eigen::Vector3d t = state.T_camera_hand.translation();
   depth_m_ = (view.R_view_camera() * t).z();
-  constexpr double kNearest_m = 0.03;
   const auto disc = [&](int i, const Eigen::Vector3d& p, double radius_m) {
     const double inverse = 1 / std::max(p.z(), kNearest_m);
     if (p.z() < kNearest_m + radius_m) valid_ = false;

@@ -25,8 +25,6 @@ constexpr double kDrift_m2_s = 1.6e-4 * 1.6e-4, kDrift_rad2_s = 1.7e-3 * 1.7e-3;
 // How long a level lasts in the mean.
 constexpr double kLevelLasts_s = 1.0;
 
-// At the start: a hand's usual speeds.
-constexpr double kStartSigma_m_s = 0.5, kStartSigma_rad_s = 3.0;
 // No measurement is better than this, whatever it says.
 constexpr double kLeastSigma_m = 5e-5, kLeastSigma_rad = 2e-4;
 
@@ -120,13 +118,17 @@ void PoseFilter::reset() noexcept {
   refusals_ = 0;
 }
 
+/// What a hand that speeds up as hard as is expected reaches.
+Vector6d PoseFilter::usual_speed() const noexcept {
+  return kAccelerationLasts_s * diagonal(config_.acceleration_rad_s2, config_.acceleration_m_s2);
+}
+
 void PoseFilter::start(double time_s, const PoseEstimate& m) noexcept {
   MotionState state;
   state.rotation = Eigen::Quaterniond(m.T_camera_hand.linear());
   state.translation_m = m.T_camera_hand.translation();
   state.covariance.topLeftCorner<6, 6>() = noise_of(m);
-  state.covariance.bottomRightCorner<6, 6>().diagonal() =
-      diagonal(kStartSigma_rad_s * kStartSigma_rad_s, kStartSigma_m_s * kStartSigma_m_s);
+  state.covariance.bottomRightCorner<6, 6>().diagonal() = usual_speed().cwiseAbs2();
   levels_.fill({state, 1.0 / kLevels});
   lasting_ = m.covariance - fresh_covariance(m);
   time_s_ = accepted_time_s_ = time_s;
@@ -226,8 +228,7 @@ bool PoseFilter::refuse(double time_s, const PoseEstimate& m) noexcept {
                                   refused_.T_camera_hand.translation(), m);
     const double dt_s = time_s - refused_time_s_;
     Matrix6d S = noise_of(refused_) + noise_of(m);
-    const double rad = kStartSigma_rad_s * dt_s, metres = kStartSigma_m_s * dt_s;
-    S.diagonal() += diagonal(rad * rad, metres * metres);
+    S.diagonal() += (usual_speed() * dt_s).cwiseAbs2();
     if (!(y.dot(S.ldlt().solve(y)) < gate_)) refusals_ = 0;
   }
   ++refusals_;

@@ -42,24 +42,23 @@ constexpr std::array<Posture, 3> kFingers = {
 constexpr std::array<double, 3> kLower_m = {0, 0.005, 0};
 // They are held firmly, and the palm moves little from frame to frame (standard deviations): less
 // of a folded hand's outline is seen, and what is seen does not fit as well.
-constexpr double kFinger_rad = 0.05, kTurn_rad = 0.1, kMove_m = 0.03;
+constexpr double kFinger_rad = 0.05, kTurn_rad = 0.1;
 
 constexpr int kThumb = 0;
 
 // An open hand fits while its thumb is not turned in farther than thumbs at rest are, and while its
-// log ratio is more than this share of what is usual for it, the mean of about this time; hands
-// that explain less than the least are nothing to go by.
-constexpr double kFits = 0.8, kUsual_s = 0.5, kLeastOpen = 14, kThumbIn_rad = -0.45;
+// log ratio is more than this share of what is usual for it, the mean of about this time.
+constexpr double kFits = 0.8, kUsual_s = 0.5, kThumbIn_rad = -0.45;
 // Only of hands that usually explain this much (nats) is it told what they do: of less, one that is
 // turned away or blurred cannot be told from a fist (clips of webcams: 790 instead of 810 of 974
 // open frames right, at no least).
 constexpr double kLeastUsual = 18;
 // A posture leads whose outline explains the picture better than the open hand's by so much. The
 // thumb of an open hand may lie anywhere, so its outline tells little.
-constexpr double kFistBetter = 5, kFourBetter = -1;
+constexpr double kFistBetter = 5;
 // It must explain something itself, little of whose outline is told from inside, and more to go on
 // carrying the palm: fingers that open again would pull it with them.
-constexpr double kLeastFist = -4, kCarries = -0.5;
+constexpr double kLeastFist = -2;
 // A finger is where it is expected when this share of its inside has the hand's colours, and gone
 // when no more than this has.
 constexpr double kThere = 0.7, kGone = 0.2;
@@ -90,7 +89,7 @@ bool is_four(const Shares& shares) {
 
 bool Gestures::fits(const Alignment& open) const noexcept {
   return open.state.posture.abduction_rad[kThumb] > kThumbIn_rad &&
-         open.log_ratio > std::max(kLeastOpen, kFits * usual_ratio_);
+         open.log_ratio > kFits * usual_ratio_;
 }
 
 void Gestures::remember(const Hypothesis& open, double dt_s) noexcept {
@@ -131,7 +130,6 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& p
       prior.information.diagonal().segment(at, count).setConstant(1 / (sigma * sigma));
     };
     expect(0, 3, kTurn_rad);
-    expect(3, 3, kMove_m);
     expect(kAbductionAt, 2 * kFingerCount, kFinger_rad);
     const bool follows = folded() && leader_ == static_cast<Gesture>(i);
     laid_[i] =
@@ -158,14 +156,14 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   if (ratio(Gesture::fist) > std::max(kLeastFist, outstretched + kFistBetter) &&
       is_fist(shares(laid(Gesture::fist).state, frame, camera, aligner)))
     return Gesture::fist;
-  if (ratio(Gesture::four) > std::max(config.belief.seen, outstretched + kFourBetter) &&
+  if (ratio(Gesture::four) > std::max(config.belief.seen, outstretched) &&
       is_four(shares(laid(Gesture::four).state, frame, camera, aligner)))
     return Gesture::four;
   return Gesture::open;
 }
 
 void Gestures::lead(Gesture posture, double dt_s) noexcept {
-  if (posture != gesture_ || ratio(posture) > kCarries) carry(posture, dt_s);
+  if (posture != gesture_ || ratio(posture) > kLeastFist) carry(posture, dt_s);
   leads_s_ = posture == leader_ ? leads_s_ + dt_s : 0;
   leader_ = posture;
   holds_ = false;

@@ -179,8 +179,8 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       state.figure = person.mean();
       for (int f = 0; f < kFingerCount; ++f)
         state.posture.abduction_rad[f] = closing * kClosing_rad[f];
-      state.T_camera_hand =
-          start_pose(tips, pose_fingers(figure, state.posture).tips_m, camera, tilt_rad);
+      state.T_camera_hand = start_pose(tips, pose_fingers(figure, state.posture).tips_m, camera,
+                                       tilt_rad, config.motion.rotation_sigma_rad);
       beginning.settle(h, beginning.prior_at(state.T_camera_hand), kRoughly_m, kStay);
       keep_distinct(h);
     }

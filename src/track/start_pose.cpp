@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "align/hand_view.hpp"
 #include "pose/so3.hpp"
 
 namespace handyar {
@@ -13,9 +14,7 @@ namespace {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-// Hands are shown to a camera within about this of straight on.
-constexpr double kTilt_rad = 0.35;
-constexpr double kNearest_m = 0.05, kFarthest_m = 5.0;
+constexpr double kFarthest_m = 5.0;
 
 /// Facing the camera: the similarity that lays the hand's fingertips on the rays.
 Eigen::Isometry3d facing(const RoughTips& tips, const HandFigure::Tips& tips_m,
@@ -51,7 +50,8 @@ Eigen::Isometry3d facing(const RoughTips& tips, const HandFigure::Tips& tips_m,
 }  // namespace
 
 Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure::Tips& tips_m,
-                             const Camera& camera, const std::array<double, 2>& tilt_rad) noexcept {
+                             const Camera& camera, const std::array<double, 2>& tilt_rad,
+                             double tilt_sigma_rad) noexcept {
   Eigen::Isometry3d start = facing(tips, tips_m, camera);
   const Eigen::Vector3d middle = tips_m.rowwise().mean(), before = start * middle;
   start.linear() *= so3::exp(Eigen::Vector3d(tilt_rad[0], tilt_rad[1], 0)).toRotationMatrix();
@@ -60,7 +60,7 @@ Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure::Tips& tips
   const Eigen::Vector3d sight = T.translation().normalized();
   // Turning about the line of sight is free, tilting has the prior.
   const Eigen::Matrix3d tilt_information =
-      (Eigen::Matrix3d::Identity() - sight * sight.transpose()) / (kTilt_rad * kTilt_rad);
+      (Eigen::Matrix3d::Identity() - sight * sight.transpose()) / (tilt_sigma_rad * tilt_sigma_rad);
   constexpr int kIterations = 6;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Matrix6d H = 1e-9 * Matrix6d::Identity();

@@ -17,9 +17,10 @@ struct RoughTips {
 
 /// The pose of a hand, with its fingertips at `tips_m`, that faces the camera, but for a tilt about
 /// its x and y axis, as far as its rough fingertips allow: they tell place, size and direction
-/// well, tilt badly, so tilt has a prior.
+/// well, tilt badly, so tilt has a prior of `tilt_sigma_rad`.
 Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure::Tips& tips_m,
-                             const Camera& camera, const std::array<double, 2>& tilt_rad) noexcept;
+                             const Camera& camera, const std::array<double, 2>& tilt_rad,
+                             double tilt_sigma_rad) noexcept;
 
 /// The other pose in which a plane looks nearly the same: its normal mirrored at the line of sight.
 Eigen::Isometry3d other_planar_solution(const Eigen::Isometry3d& T_camera_hand) noexcept;

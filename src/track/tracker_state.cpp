@@ -14,9 +14,6 @@ constexpr double kEven = 10.5, kClaim = 0.4;
 // The finder reads a hand that is followed otherwise when only the palms are as near as this share
 // of the hand's reach.
 constexpr float kSamePalm = 0.8f;
-// Candidates less likely than this are not worth the time of laying a figure on them: of a door and
-// four fingers one is believed for 9 frames at -2.
-constexpr double kWorthTrying = -1.0;
 
 double evidence_of(const Alignment& alignment, const BeliefConfig& belief) {
   return std::clamp(kClaim * (alignment.log_ratio - kEven), -belief.most_frame, belief.most_frame);
@@ -164,8 +161,7 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
       had ? seen.belief + evidence_of(seen.hypotheses.best().alignment, config.belief) : 0;
   for (const HandCandidate& candidate : candidates) {
     const Reading reading = had ? compare(candidate, followed()) : Reading::elsewhere;
-    if (candidate.log_odds < kWorthTrying || reading == Reading::same || is_of_other(candidate) ||
-        is_for_other(candidate, reading) ||
+    if (reading == Reading::same || is_of_other(candidate) || is_for_other(candidate, reading) ||
         (reading == Reading::elsewhere && candidate.log_odds + config.belief.most_frame < belief))
       continue;
     Hypotheses fresh;
@@ -245,7 +241,7 @@ void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
   const Hypothesis& best = seen.hypotheses.best();
   if (best.alignment.log_ratio < config.belief.seen) return;
   constexpr double kMargin_m = 0.0011;  // blur: the boundary's own colours are neither side's
-  const double keep = std::exp(-std::min(dt_s, 1.0) / config.learning.colors_s);
+  const double keep = std::exp(-dt_s / config.learning.colors_s);
   aligner.learn(frame, camera, best.appearance, best.alignment.state, static_cast<float>(keep),
                 kMargin_m);
   if (seen.state == State::tracking) {

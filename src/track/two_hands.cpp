@@ -9,8 +9,6 @@ namespace {
 // Two hands whose palms are nearer to each other than this share of their reach cannot both be
 // found.
 constexpr float kApart = 0.5f;
-// Beside a hand that is followed a second one is searched for this often.
-constexpr double kSearch_s = 0.1;
 
 }  // namespace
 
@@ -53,7 +51,7 @@ bool HandTracker::Impl::follows_hand_of_other() const noexcept {
 
 bool HandTracker::Impl::may_search() const noexcept {
   if (other == nullptr) return true;
-  return other->in_view() != nullptr ? seen.time_s - seen.looked_s >= kSearch_s : leads;
+  return other->in_view() != nullptr ? seen.time_s - seen.looked_s >= config.belief.same_s : leads;
 }
 
 void share_view(HandTracker& first, HandTracker& second) noexcept {
