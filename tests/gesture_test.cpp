@@ -20,8 +20,8 @@ using test::kFist;
 /// The thumb in the palm, not quite as the tracker has it.
 constexpr Posture kFour = {{-0.85, 0.02, 0, 0, -0.02}, {0.9, 0.05, 0, -0.04, 0.03}};
 
-// Ten pixels are wanted; these films come to between 1 and 10.3, by where each frame falls.
-constexpr double kMostMoved_px = 12;
+// An object on the palm may stray by so much while fingers move.
+constexpr double kMostMoved_px = 10;
 
 /// What was told while a hand went through its postures.
 struct Told {

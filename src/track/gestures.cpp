@@ -42,13 +42,17 @@ constexpr std::array<Posture, 3> kFingers = {
 constexpr std::array<double, 3> kLower_m = {0, 0.005, 0};
 // They are held firmly, and the palm moves little from frame to frame (standard deviations): less
 // of a folded hand's outline is seen, and what is seen does not fit as well.
-constexpr double kFinger_rad = 0.05, kTurn_rad = 0.1;
+constexpr double kFinger_rad = 0.05, kTurn_rad = 0.1, kMove_m = 0.012;
 
 constexpr int kThumb = 0;
 
 // An open hand fits while its thumb is not turned in farther than thumbs at rest are, and while its
-// log ratio is more than this share of what is usual for it, the mean of about this time.
-constexpr double kFits = 0.8, kUsual_s = 0.5, kThumbIn_rad = -0.45;
+// log ratio is more than this share of what is usual for it.
+constexpr double kFits = 0.8, kThumbIn_rad = -0.45;
+// What is usual, and how the hand moves, is the mean of about this time; for so long it may go on
+// like that with no posture that fits, then it is given up. Fingers on their way pull the figure
+// along within frames: of `gesture` the palm strays by 10 px at most, by 16 where it is held still.
+constexpr double kWhile_s = 0.3;
 // Only of hands that usually explain this much (nats) is it told what they do: of less, one that is
 // turned away or blurred cannot be told from a fist (clips of webcams: 790 instead of 810 of 974
 // open frames right, at no least).
@@ -56,14 +60,14 @@ constexpr double kLeastUsual = 18;
 // A posture leads whose outline explains the picture better than the open hand's by so much. The
 // thumb of an open hand may lie anywhere, so its outline tells little.
 constexpr double kFistBetter = 5;
-// It must explain something itself, little of whose outline is told from inside, and more to go on
-// carrying the palm: fingers that open again would pull it with them.
-constexpr double kLeastFist = -2;
+// It must explain about as much itself as what is no hand, little of whose outline is told from
+// inside: with less, fingers that open again would pull the palm with them.
+constexpr double kLeastFist = -0.5;
 // A finger is where it is expected when this share of its inside has the hand's colours, and gone
 // when no more than this has.
 constexpr double kThere = 0.7, kGone = 0.2;
-// So long a posture leads before it counts; so long no posture may fit before the hand is given up.
-constexpr double kConfirm_s = 0.1, kUnclear_s = 0.3;
+// So long a posture leads before it counts.
+constexpr double kConfirm_s = 0.1;
 
 using Shares = std::array<std::optional<double>, kFingerCount + 1>;  // of each part; the palm last
 bool there(std::optional<double> share) { return share.value_or(0) >= kThere; }
@@ -92,17 +96,32 @@ bool Gestures::fits(const Alignment& open) const noexcept {
          open.log_ratio > kFits * usual_ratio_;
 }
 
+double Gestures::kept(double dt_s) const noexcept {
+  return usual_ratio_ > 0 ? std::exp(-dt_s / kWhile_s) : 0;
+}
+
 void Gestures::remember(const Hypothesis& open, double dt_s) noexcept {
-  hand_ = open;
-  const double keep = usual_ratio_ > 0 ? std::exp(-dt_s / kUsual_s) : 0;
+  const double keep = kept(dt_s);
   usual_ratio_ = keep * usual_ratio_ + (1 - keep) * open.alignment.log_ratio;
+  const HandState before = hand_.alignment.state;
+  hand_ = open;
+  HandState& now = hand_.alignment.state;
+  now.velocity = keep * before.velocity + (1 - keep) * now.velocity;
 }
 
 void Gestures::carry(Gesture posture, double dt_s) noexcept {
   Alignment palm = laid(posture);
   palm.state.T_camera_hand.translate(Eigen::Vector3d(0, kLower_m[static_cast<int>(posture)], 0));
-  palm.state.velocity = hand_.alignment.state.difference(palm.state).head<6>() / dt_s;
+  const HandState& before = hand_.alignment.state;
+  const double keep = kept(dt_s);
+  palm.state.velocity =
+      keep * before.velocity + (1 - keep) / dt_s * before.difference(palm.state).head<6>();
   hand_.alignment = palm;
+}
+
+void Gestures::go_on(double dt_s) noexcept {
+  HandState& state = hand_.alignment.state;
+  state.T_camera_hand = state.pose_after(dt_s);
 }
 
 void Gestures::open() noexcept {
@@ -122,6 +141,7 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& p
                    const TrackerConfig& config, Aligner& aligner) noexcept {
   for (int i = 0; i < kPostures; ++i) {
     HandState expected = hand_.alignment.state;
+    expected.T_camera_hand = expected.pose_after(dt_s);
     expected.posture = kFingers[i];
     expected.T_camera_hand.translate(Eigen::Vector3d(0, -kLower_m[i], 0));
     HandPrior prior = prior_around(expected, person, dt_s, config);
@@ -130,6 +150,7 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& p
       prior.information.diagonal().segment(at, count).setConstant(1 / (sigma * sigma));
     };
     expect(0, 3, kTurn_rad);
+    expect(3, 3, kMove_m);
     expect(kAbductionAt, 2 * kFingerCount, kFinger_rad);
     const bool follows = folded() && leader_ == static_cast<Gesture>(i);
     laid_[i] =
@@ -163,7 +184,7 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
 }
 
 void Gestures::lead(Gesture posture, double dt_s) noexcept {
-  if (posture != gesture_ || ratio(posture) > kLeastFist) carry(posture, dt_s);
+  carry(posture, dt_s);
   leads_s_ = posture == leader_ ? leads_s_ + dt_s : 0;
   leader_ = posture;
   holds_ = false;
@@ -194,7 +215,8 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Person
     return open();
   }
   unclear_s_ += dt_s;
-  if (unclear_s_ > kUnclear_s) return forget();
+  if (unclear_s_ > kWhile_s) return forget();
+  go_on(dt_s);
   if (gesture_ != Gesture::open) return;  // it may come back
   leader_ = Gesture::open;
   // Fingers between two postures are followed wherever the picture leads them: better to stay.

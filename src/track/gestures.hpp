@@ -45,8 +45,12 @@ class Gestures {
   const Alignment& laid(Gesture posture) const noexcept { return laid_[static_cast<int>(posture)]; }
   double ratio(Gesture posture) const noexcept { return laid(posture).log_ratio; }
 
+  /// Of what is usual the share that stays.
+  double kept(double dt_s) const noexcept;
   void remember(const Hypothesis& open, double dt_s) noexcept;
   void carry(Gesture posture, double dt_s) noexcept;
+  /// The palm goes on as it went.
+  void go_on(double dt_s) noexcept;
   void open() noexcept;
   void forget() noexcept;
   void lay(const ImageView& frame, const Camera& camera, const Person& person, double dt_s,
@@ -61,7 +65,7 @@ class Gestures {
                 const Aligner& aligner) const noexcept;
   void lead(Gesture posture, double dt_s) noexcept;
 
-  Hypothesis hand_;                        ///< as last seen, open or folded
+  Hypothesis hand_;                        ///< as last seen, open or folded; moving as is usual
   std::array<Alignment, kPostures> laid_;  ///< on the last frame that was watched
   double usual_ratio_ = 0;                 ///< of the hand when it is open; 0: none was seen
   bool watches_ = false, holds_ = false, opened_ = false;
