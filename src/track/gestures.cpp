@@ -52,7 +52,7 @@ constexpr double kFits = 0.8, kThumbIn_rad = -0.45;
 // What is usual, and how the hand moves, is the mean of about this time; for so long it may go on
 // like that with no posture that fits, then it is given up. Fingers on their way pull the figure
 // along within frames: of `gesture` the palm strays by 10 px at most, by 16 where it is held still.
-constexpr double kWhile_s = 0.4;
+constexpr double kWhile_s = 0.3;
 // Only of hands that usually explain this much (nats) is it told what they do: of less, one that is
 // turned away or blurred cannot be told from a fist (clips of webcams: 790 instead of 810 of 974
 // open frames right, at no least).
