@@ -57,8 +57,8 @@ constexpr double kWhile_s = 0.3;
 // turned away or blurred cannot be told from a fist (clips of webcams: 790 instead of 810 of 974
 // open frames right, at no least).
 constexpr double kLeastUsual = 18;
-// A posture leads whose outline explains the picture better than the open hand's by so much. The
-// thumb of an open hand may lie anywhere, so its outline tells little.
+// A fist leads whose outline explains the picture better than the open hand's by so much; a four
+// need only explain it better.
 constexpr double kFistBetter = 5;
 // It must explain about as much itself as what is no hand, little of whose outline is told from
 // inside: with less, fingers that open again would pull the palm with them.
