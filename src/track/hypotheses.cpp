@@ -171,6 +171,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   for (const Face face : {Face::palm, Face::back}) {
     if (config.user.side && side_of(face, candidate.layout) != *config.user.side) continue;
     const HandFigure figure = make_figure(person.mean(), face, candidate.layout);
+    Hypotheses rough;
     for (const auto& [tilt_rad, closing] : kStarts) {
       Hypothesis h;
       h.appearance = {face, candidate.layout};
@@ -182,22 +183,34 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       state.T_camera_hand = start_pose(tips, pose_fingers(figure, state.posture).tips_m, camera,
                                        tilt_rad, config.motion.rotation_sigma_rad);
       beginning.settle(h, beginning.prior_at(state.T_camera_hand), kRoughly_m, kStay);
+      rough.keep_distinct(h);
+    }
+    rough.sort_and_prune(config.belief.most);
+    const int most = config.user.side ? kMost : kMost / 2;
+    for (Hypothesis& h : std::span(rough.items_.data(), std::min(most, rough.count_))) {
+      const HandPrior prior = beginning.prior_at(h.alignment.state.T_camera_hand);
+      beginning.settle(h, prior, kFinely_m, 0);
+      keep_distinct(h);
+      if (!h.alignment.valid) continue;
+      h.alignment.state.T_camera_hand = other_planar_solution(h.alignment.state.T_camera_hand);
+      beginning.align(h, prior, kFar_m, 0);
       keep_distinct(h);
     }
   }
-  Hypotheses rough = *this;
-  clear();
-  for (Hypothesis& h : std::span(rough.items_.data(), rough.count_)) {
-    const HandPrior prior = beginning.prior_at(h.alignment.state.T_camera_hand);
-    beginning.settle(h, prior, kFinely_m, 0);
-    keep_distinct(h);
-    if (!h.alignment.valid) continue;
-    h.alignment.state.T_camera_hand = other_planar_solution(h.alignment.state.T_camera_hand);
-    beginning.align(h, prior, kFar_m, 0);
-    keep_distinct(h);
-  }
   sort_and_prune(config.belief.most);
   return count_ > 0;
+}
+
+Matrix6d Hypotheses::spread() const noexcept {
+  Matrix6d sum = Matrix6d::Zero();
+  double weights = 0;
+  for (const Hypothesis& h : std::span(items_.data(), count_)) {
+    const double weight = std::exp(h.log_weight);
+    const HandVector apart = best().alignment.state.difference(h.alignment.state);
+    sum += weight * apart.head<6>() * apart.head<6>().transpose();
+    weights += weight;
+  }
+  return sum / weights;
 }
 
 void Hypotheses::learn_person(double share) noexcept {

@@ -42,6 +42,10 @@ class Hypotheses {
   bool follow(const ImageView& frame, const Camera& camera, double dt_s,
               const TrackerConfig& config, Aligner& aligner) noexcept;
 
+  /// How far the others lie from the likeliest, each by its probability (second moment of the pose
+  /// about it): what not knowing which of them is right adds to its covariance.
+  Matrix6d spread() const noexcept;
+
   /// Each takes what its own figure says of the person; `share` of it is new.
   void learn_person(double share) noexcept;
 

@@ -220,6 +220,7 @@ void HandTracker::Impl::filter(TrackResult& result) noexcept {
   raw.T_camera_hand = best.state.T_camera_hand;
   raw.covariance = pose_information(best.information).llt().solve(Matrix6d::Identity());
   raw.noise_covariance = kNoisePart * raw.covariance;
+  if (!seen.gestures.holds()) raw.covariance += seen.hypotheses.spread();
   if (hand.source == HandSource::average_adult)
     raw.covariance.bottomRightCorner<3, 3>() += origin_covariance(raw.T_camera_hand);
   raw.rms_px = best.rms_px;
