@@ -135,5 +135,39 @@ TEST(Silhouette, DerivativesAgreeWithCentralDifferences) {
   }
 }
 
+TEST(Silhouette, FingertipsLieWhereTheFigureHasThemAndMoveAsTheirDerivativesSay) {
+  Camera camera = test::rendered_camera();
+  camera.distortion = {-0.1, 0.03, 0, 0, 0};
+  HandState state;
+  state.T_camera_hand = test::hand_at(0.4, deg(35), deg(50), {0.06, -0.02});
+  state.figure = 0.5 * somebody();
+  const HandView view(camera, state.T_camera_hand.translation());
+  const Appearance appearance{Face::palm, Layout::thumb_right};
+  const Silhouette silhouette(appearance, state, view);
+  ASSERT_TRUE(silhouette.valid());
+  const HandFigure figure = make_figure(state.figure, appearance.face, appearance.layout);
+  for (int f = 0; f < kFingerCount; ++f) {
+    const Eigen::Vector2d px = camera.project(state.T_camera_hand * figure.tips_m.col(f).eval());
+    EXPECT_LT((view.to_frame(silhouette.tip_px(f)) - px.cast<float>()).norm(), 4) << "finger " << f;
+    EXPECT_LT((view.from_frame(px) - silhouette.tip_px(f)).norm(), 4) << "finger " << f;
+    const TipDerivative J = silhouette.tip_derivative(f);
+    for (int k = 0; k < kHandFreedoms; ++k) {
+      const double step = k >= kFigureAt ? 0.1 : k >= 3 && k < 6 ? 5e-4 : 2e-3;
+      HandVector by = HandVector::Zero();
+      by[k] = step;
+      HandState more = state, less = state;
+      more.correct(by);
+      less.correct(-by);
+      const Eigen::Vector2d numeric = (Silhouette(appearance, more, view).tip_px(f) -
+                                       Silhouette(appearance, less, view).tip_px(f))
+                                          .cast<double>() /
+                                      (2 * step);
+      // How the finger's direction turns moves the tip about its last sphere, which is left out.
+      EXPECT_LT((J.col(k) - numeric).norm(), 0.25 * numeric.norm() + 0.01 / step)
+          << "finger " << f << " freedom " << k;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace handyar

@@ -56,6 +56,19 @@ HANDYAR_VECTORISED void add_square(const double* J, double weight, double* H) no
   }
 }
 
+/// Adds what is known of the fingertips: it keeps a finger whose colours are not known yet from
+/// straying to what lies beside it.
+void add_tips(const RoughTips& tips, const HandView& view, const Silhouette& silhouette,
+              HandMatrix& H, HandVector& g) {
+  const double weight = 1 / (tips.sigma_px * tips.sigma_px);
+  for (int f = 0; f < kFingerCount; ++f) {
+    const TipDerivative J = silhouette.tip_derivative(f);
+    const Eigen::Vector2f off_px = view.from_frame(tips.px[f]) - silhouette.tip_px(f);
+    H += weight * J.transpose() * J;
+    g += weight * J.transpose() * off_px.cast<double>();
+  }
+}
+
 /// How far outside of the figure's outline the picture shows it: by blur and halo, and by how the
 /// hand moves until its row is read.
 float shown_outside_px(const Camera& camera, const HandView& view, const Silhouette& silhouette,
@@ -216,6 +229,7 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   const HandVector off = a.state.difference(prior.mean), pull = prior.information * off;
   if (iteration + kTextureSteps >= kSegments.size())
     texture.pull(frame, camera, appearance, a.state, H, g);
+  if (prior.tips) add_tips(*prior.tips, view, silhouette, H, g);
   H += prior.information;
   g += pull;
   a.information = H;

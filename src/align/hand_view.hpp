@@ -31,6 +31,12 @@ class HandView {
     return camera_.project(R_view_camera_.transpose() * ray).cast<float>();
   }
 
+  /// From a pixel of the frame.
+  Eigen::Vector2f from_frame(const Eigen::Vector2d& px) const {
+    const Eigen::Vector3d ray = R_view_camera_ * camera_.unproject(px).homogeneous();
+    return (f_px_ * ray.hnormalized()).cast<float>();
+  }
+
  private:
   const Camera& camera_;
   Eigen::Matrix3d R_view_camera_;

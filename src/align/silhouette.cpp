@@ -232,6 +232,29 @@ Eigen::Matrix<double, 1, kHandFreedoms> Silhouette::derivative(
   return row;
 }
 
+Eigen::Vector2f Silhouette::direction(int finger) const noexcept {
+  const int end = sphere_of(finger, kFingerSpheres - 1);
+  return (disc_px(end) - disc_px(end - 1)).normalized();
+}
+
+Eigen::Vector2f Silhouette::tip_px(int finger) const noexcept {
+  const int end = sphere_of(finger, kFingerSpheres - 1);
+  return disc_px(end) + r_[end] * direction(finger);
+}
+
+TipDerivative Silhouette::tip_derivative(int finger) const noexcept {
+  Eigen::Matrix<double, 2, 3> by_disc = Eigen::Matrix<double, 2, 3>::Identity();
+  by_disc.col(2) = direction(finger).cast<double>();
+  const Eigen::Matrix<double, 2, kOwnFreedoms> own =
+      by_disc * J_[sphere_of(finger, kFingerSpheres - 1)];
+  TipDerivative J = TipDerivative::Zero();
+  J.leftCols<6>() = own.leftCols<6>();
+  J.col(kAbductionAt + finger) = own.col(6);
+  J.col(kFlexionAt + finger) = own.col(7);
+  J.rightCols<kFigureModes>() = own.rightCols<kFigureModes>();
+  return J;
+}
+
 void Silhouette::try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept {
   if (count == kMaxAnchors) return;
   const OutlinePlace at = place(anchor);

@@ -28,6 +28,7 @@ struct OutlinePlace {
 };
 
 using OutlineDerivative = Eigen::Matrix<double, 1, kHandFreedoms>;
+using TipDerivative = Eigen::Matrix<double, 2, kHandFreedoms>;
 
 /// Tapered capsules in a view, each pair of spheres that a hull has once.
 struct Capsules {
@@ -58,6 +59,10 @@ class Silhouette {
   /// Derivative of the outline's displacement along its normal there.
   OutlineDerivative derivative(const OutlineAnchor& anchor,
                                const OutlinePlace& place) const noexcept;
+
+  /// A fingertip, and how it moves.
+  Eigen::Vector2f tip_px(int finger) const noexcept;
+  TipDerivative tip_derivative(int finger) const noexcept;
 
   /// Distance of a point from the figure and the forearm, negative inside; px.
   float distance_px(const Eigen::Vector2f& p) const noexcept;
@@ -94,6 +99,8 @@ class Silhouette {
                               std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept;
   std::size_t sheet_polygon(int sheet,
                             std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept;
+  /// Of a finger's last bone.
+  Eigen::Vector2f direction(int finger) const noexcept;
   void try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept;
 
   bool valid_ = true;

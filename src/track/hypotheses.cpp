@@ -124,12 +124,15 @@ struct Beginning {
   const Person& person;
   const TrackerConfig& config;
   Aligner& aligner;
+  RoughTips tips;
 
   HandPrior prior_at(const Eigen::Isometry3d& T_camera_hand) const noexcept {
     HandState expected;
     expected.T_camera_hand = T_camera_hand;
     expected.figure = person.mean();
-    return prior_around(expected, person, kLongAgo_s, config);
+    HandPrior prior = prior_around(expected, person, kLongAgo_s, config);
+    prior.tips = tips;
+    return prior;
   }
 
   void align(Hypothesis& h, const HandPrior& prior, double reach_m, double left_m) noexcept {
@@ -166,8 +169,8 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   clear();
   since_reconsidered_s_ = 0;
   aligner.forget();
-  Beginning beginning{frame, camera, person, config, aligner};
   const RoughTips tips = rough_tips(candidate);
+  Beginning beginning{frame, camera, person, config, aligner, tips};
   for (const Face face : {Face::palm, Face::back}) {
     if (config.user.side && side_of(face, candidate.layout) != *config.user.side) continue;
     const HandFigure figure = make_figure(person.mean(), face, candidate.layout);

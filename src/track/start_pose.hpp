@@ -9,12 +9,6 @@
 
 namespace handyar {
 
-/// Fingertips as a finder gives them: rough.
-struct RoughTips {
-  std::array<Eigen::Vector2d, kFingerCount> px;
-  double sigma_px = 10;
-};
-
 /// The pose of a hand, with its fingertips at `tips_m`, that faces the camera, but for a tilt about
 /// its x and y axis, as far as its rough fingertips allow: they tell place, size and direction
 /// well, tilt badly, so tilt has a prior of `tilt_sigma_rad`.

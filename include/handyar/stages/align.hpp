@@ -40,10 +40,17 @@ struct HandState {
   HandVector difference(const HandState& other) const noexcept;  ///< other minus this
 };
 
-/// What is expected of the state before the frame is looked at.
+/// Fingertips as a finder gives them: rough.
+struct RoughTips {
+  std::array<Eigen::Vector2d, kFingerCount> px;
+  double sigma_px = 10;
+};
+
+/// What is known of the state before the figure is laid on the frame.
 struct HandPrior {
   HandState mean;
   HandMatrix information = HandMatrix::Identity();  ///< inverse covariance
+  std::optional<RoughTips> tips;                    ///< in the frame itself
 };
 
 /// Which of its four appearances a hand has: two faces, two layouts.
