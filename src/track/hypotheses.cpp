@@ -80,6 +80,15 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   return prior;
 }
 
+RoughTips rough_tips(const HandCandidate& candidate) noexcept {
+  RoughTips tips;
+  for (int f = 0; f < kFingerCount; ++f) tips.px[f] = candidate.tips_px[f].cast<double>();
+  // Rough tips err by about this share of the hand's span.
+  constexpr double kRough = 0.06;
+  tips.sigma_px = std::max(1.0, kRough * (tips.px[0] - tips.px[4]).norm());
+  return tips;
+}
+
 void Hypotheses::sort_and_prune(double most) noexcept {
   // In place: the library's stable sort takes memory.
   const auto likelier = [](const auto& a, const auto& b) { return a.log_weight > b.log_weight; };
@@ -91,6 +100,7 @@ void Hypotheses::sort_and_prune(double most) noexcept {
 }
 
 void Hypotheses::resume(const Hypothesis& hypothesis) noexcept {
+  clear();
   count_ = 1;
   since_reconsidered_s_ = 0;
   items_[0] = hypothesis;
@@ -151,15 +161,6 @@ struct Beginning {
     }
   }
 };
-
-RoughTips rough_tips(const HandCandidate& candidate) {
-  RoughTips tips;
-  for (int f = 0; f < kFingerCount; ++f) tips.px[f] = candidate.tips_px[f].cast<double>();
-  // Rough tips err by about this share of the hand's span.
-  constexpr double kRough = 0.06;
-  tips.sigma_px = std::max(1.0, kRough * (tips.px[0] - tips.px[4]).norm());
-  return tips;
-}
 
 }  // namespace
 
@@ -228,7 +229,8 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     const HandState before = h.alignment.state;
     HandState expected = before;
     expected.T_camera_hand = before.pose_after(dt_s);
-    const HandPrior prior = prior_around(expected, h.person, dt_s, config);
+    HandPrior prior = prior_around(expected, h.person, dt_s, config);
+    prior.tips = tips_;
     h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kNear_m);
     if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen)
       h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kFar_m);
@@ -238,6 +240,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     turn_over(h);
     h.log_weight += share * h.alignment.log_posterior;
   }
+  tips_.reset();
   // Those that have come to the same are one.
   const Hypotheses followed = *this;
   count_ = 0;

@@ -29,7 +29,10 @@ class Hypotheses {
 
   int size() const { return count_; }
   const Hypothesis& best() const { return items_[0]; }
-  void clear() { count_ = 0; }
+  void clear() {
+    count_ = 0;
+    tips_.reset();
+  }
   /// A hand that is seen in one way alone.
   void resume(const Hypothesis& hypothesis) noexcept;
 
@@ -37,6 +40,9 @@ class Hypotheses {
   /// planar solutions. False when none of them can be laid on the picture.
   bool begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
              const Person& person, const TrackerConfig& config, Aligner& aligner) noexcept;
+
+  /// Where a finder sees the fingertips, for the next frame to be followed.
+  void expect(const std::optional<RoughTips>& tips) noexcept { tips_ = tips; }
 
   /// Lays each on the next frame, weighs them, drops the unlikely. False when none can be seen.
   bool follow(const ImageView& frame, const Camera& camera, double dt_s,
@@ -64,11 +70,15 @@ class Hypotheses {
   int count_ = 0;
   int turn_ = 0;  ///< of the alternatives, which one is next
   double since_reconsidered_s_ = 0;
+  std::optional<RoughTips> tips_;
 };
 
 /// How far the outline may be off where a hand is expected, and how far when nothing much is found
 /// there or it has only just been seen.
 constexpr double kNear_m = 0.009, kFar_m = 0.021;
+
+/// A candidate's fingertips, which err by some hundredths of its span.
+RoughTips rough_tips(const HandCandidate& candidate) noexcept;
 
 /// No frame stands for longer than this.
 constexpr double kLongest_s = 0.1;

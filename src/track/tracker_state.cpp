@@ -117,6 +117,15 @@ HandTracker::Impl::Reading HandTracker::Impl::compare(const HandCandidate& candi
   return candidate.same_tips(now) ? Reading::same : Reading::otherwise;
 }
 
+std::optional<RoughTips> HandTracker::Impl::seen_tips() const noexcept {
+  const HandPlace now = followed();
+  for (const HandCandidate& candidate : candidates)
+    if (candidate.log_odds > 0 && !is_of_other(candidate) &&
+        compare(candidate, now) != Reading::elsewhere)
+      return rough_tips(candidate);
+  return std::nullopt;
+}
+
 double HandTracker::Impl::verdict() const noexcept {
   const HandPlace now = followed();
   double says = config.belief.give_up;  // unseen: it may be too tilted, or half hidden
@@ -151,6 +160,7 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
   if (had)
     seen.belief += std::min(1.0, since_s / limits.same_s) *
                    std::clamp(verdict(), -limits.most_frame, limits.most_frame);
+  if (had) seen.hypotheses.expect(seen_tips());
   begin(frame);
 }
 
