@@ -12,8 +12,8 @@
 namespace handyar {
 namespace {
 
-constexpr int kSide = PalmTexture::kSide, kCells = PalmTexture::kCells;
-using Field = PalmTexture::Field;
+constexpr int kSide = kPalmSide, kCells = kPalmCells;
+using Field = PalmField;
 
 // Neighbouring cells see the same skin and lie on the same wrong surface: so much of one's say is
 // its own. Five to ten times more lets the surface's errors turn the hand (docs/tried.md).
@@ -24,8 +24,6 @@ constexpr int kAround = 2;
 constexpr float kLeastSigma = 1.0f;
 // With contrast changed by more than this factor it is not what was seen.
 constexpr float kMostGain = 3.0f;
-// A palm reaches beyond the spheres at its corners by this share of their radii.
-constexpr float kWider = 0.6f;
 // A cell seen from its edge covers less (square of twice two neighbours' distance, px^4).
 constexpr float kLeastArea = 1e-3f;
 // Information that says nothing, in rad^-2 and m^-2.
@@ -33,93 +31,9 @@ constexpr double kVague = 1e-3;
 // Fewer frames are no texture yet.
 constexpr int kFewest = 3;
 
-/// Means over so many neighbours on all sides; beyond the grid it goes on as it ends.
-template <int kReach>
-Field smoothed(const Field& in) noexcept {
-  constexpr int kWide = kSide + 2 * kReach;
-  std::array<float, kSide * kWide> sums{};
-  const auto row = [&](int v) { return in.data() + std::clamp(v, 0, kSide - 1) * kSide; };
-  for (int v = 0; v < kSide; ++v) {
-    float* const sum = sums.data() + v * kWide + kReach;
-    for (int k = -kReach; k <= kReach; ++k) {
-      const float* const from = row(v + k);
-      for (int u = 0; u < kSide; ++u) sum[u] += from[u];
-    }
-    for (int k = 1; k <= kReach; ++k) {
-      sum[-k] = sum[0];
-      sum[kSide - 1 + k] = sum[kSide - 1];
-    }
-  }
-  Field out{};
-  constexpr float kCount = (2 * kReach + 1) * (2 * kReach + 1);
-  for (int v = 0; v < kSide; ++v) {
-    float* const to = out.data() + v * kSide;
-    for (int k = 0; k <= 2 * kReach; ++k) {
-      const float* const from = sums.data() + v * kWide + k;
-      for (int u = 0; u < kSide; ++u) to[u] += from[u];
-    }
-    for (int u = 0; u < kSide; ++u) to[u] /= kCount;
-  }
-  return out;
-}
-
-/// The visible face of the palm: a grid between wrist and roots of the fingers, at the height of
-/// the figure's sheets.
-std::array<Field, 3> palm_surface(const HandFigure& figure) {
-  const auto top = [&](int sphere) -> Eigen::Vector3f {
-    return (figure.centres_m.col(sphere) + Eigen::Vector3d(0, 0, figure.radii_m[sphere]))
-        .cast<float>();
-  };
-  const auto side = [&](int sphere, int from) -> Eigen::Vector3f {
-    const Eigen::Vector3f outwards = (top(sphere) - top(from)).normalized();
-    return top(sphere) + kWider * static_cast<float>(figure.radii_m[sphere]) * outwards;
-  };
-  const int first = sphere_of(1, 0), last = sphere_of(4, 0);
-  const Eigen::Vector3f wrist_thumb = side(kWristThumb, kWristLittle),
-                        wrist_little = side(kWristLittle, kWristThumb), index = side(first, last),
-                        little = side(last, first);
-  std::array<Field, 3> surface;
-  Field sheets;
-  sheets.fill(-1);
-  for (int i = 0; i < kCells; ++i) {
-    const float s = (i % kSide + 0.5f) / kSide, t = (i / kSide + 0.5f) / kSide;
-    const Eigen::Vector3f p =
-        (1 - t) * ((1 - s) * wrist_thumb + s * wrist_little) + t * ((1 - s) * index + s * little);
-    for (int axis = 0; axis < 3; ++axis) surface[axis][i] = p[axis];
-  }
-  for (const auto& hull : figure_hulls()) {
-    if (hull[2] < 0) continue;
-    const Eigen::Vector3f a = top(hull[0]), ab = top(hull[1]) - a, ac = top(hull[2]) - a;
-    const float area = ab.x() * ac.y() - ab.y() * ac.x();
-    if (area == 0) continue;
-    for (int i = 0; i < kCells; ++i) {
-      const float x = surface[0][i] - a.x(), y = surface[1][i] - a.y(),
-                  u = (x * ac.y() - y * ac.x()) / area, v = (y * ab.x() - x * ab.y()) / area;
-      const float z = a.z() + u * ab.z() + v * ac.z();
-      const bool above = (u >= 0) & (v >= 0) & (u + v <= 1) & (z > sheets[i]);
-      sheets[i] = above ? z : sheets[i];
-    }
-  }
-  for (int i = 0; i < kCells; ++i)
-    if (sheets[i] > -1) surface[2][i] = sheets[i];
-  surface[2] = smoothed<3>(surface[2]);
-  return surface;
-}
-
 /// The pose at the time at which the palm's rows are read.
 Eigen::Isometry3d pose_at_palm(const Camera& camera, const HandState& state) {
   return state.pose_after(camera.row_time_s(camera.project(state.T_camera_hand.translation()).y()));
-}
-
-/// Sum of products, in one order in every build.
-HANDYAR_VECTORISED float dot(const Field& a, const Field& b) noexcept {
-  constexpr int kLanes = 8;
-  std::array<float, kLanes> sums{};
-  for (int i = 0; i < kCells; i += kLanes)
-    for (int lane = 0; lane < kLanes; ++lane) sums[lane] += a[i + lane] * b[i + lane];
-  float sum = 0;
-  for (const float lane : sums) sum += lane;
-  return sum;
 }
 
 /// Turns both halves of a pose's step.

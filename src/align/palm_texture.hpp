@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 
+#include "align/palm_grid.hpp"
 #include "handyar/pose.hpp"
 #include "handyar/stages/align.hpp"
 
@@ -16,8 +17,7 @@ namespace handyar {
 /// the outlines of all frames together.
 class PalmTexture {
  public:
-  static constexpr int kSide = 20, kCells = kSide * kSide;
-  using Field = std::array<float, kCells>;
+  using Field = PalmField;
   using Vector6d = Eigen::Matrix<double, 6, 1>;
 
   void forget() noexcept { frames_ = 0; }

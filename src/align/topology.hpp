@@ -51,4 +51,9 @@ struct Topology {
   }
 };
 
+inline const Topology& topology() {
+  static const Topology t;
+  return t;
+}
+
 }  // namespace handyar

@@ -134,15 +134,12 @@ struct Beginning {
   const Person& person;
   const TrackerConfig& config;
   Aligner& aligner;
-  RoughTips tips;
 
   HandPrior prior_at(const Eigen::Isometry3d& T_camera_hand) const noexcept {
     HandState expected;
     expected.T_camera_hand = T_camera_hand;
     expected.figure = person.mean();
-    HandPrior prior = prior_around(expected, person, kLongAgo_s, config);
-    prior.tips = tips;
-    return prior;
+    return prior_around(expected, person, kLongAgo_s, config);
   }
 
   void align(Hypothesis& h, const HandPrior& prior, double reach_m, double left_m) noexcept {
@@ -170,8 +167,8 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   clear();
   since_reconsidered_s_ = 0;
   aligner.forget();
+  Beginning beginning{frame, camera, person, config, aligner};
   const RoughTips tips = rough_tips(candidate);
-  Beginning beginning{frame, camera, person, config, aligner, tips};
   for (const Face face : {Face::palm, Face::back}) {
     if (config.user.side && side_of(face, candidate.layout) != *config.user.side) continue;
     const HandFigure figure = make_figure(person.mean(), face, candidate.layout);
@@ -186,10 +183,14 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
         state.posture.abduction_rad[f] = closing * kClosing_rad[f];
       state.T_camera_hand = start_pose(tips, pose_fingers(figure, state.posture).tips_m, camera,
                                        tilt_rad, config.motion.rotation_sigma_rad);
-      beginning.settle(h, beginning.prior_at(state.T_camera_hand), kRoughly_m, kStay);
+      HandPrior prior = beginning.prior_at(state.T_camera_hand);
+      prior.tips = tips;
+      beginning.settle(h, prior, kRoughly_m, kStay);
       rough.keep_distinct(h);
     }
     rough.sort_and_prune(config.belief.most);
+    // From here on the picture alone tells whether there is a hand: held by a thumb that the finder
+    // only thinks is there, a figure lies on four fingers as well as on five.
     const int most = config.user.side ? kMost : kMost / 2;
     for (Hypothesis& h : std::span(rough.items_.data(), std::min(most, rough.count_))) {
       const HandPrior prior = beginning.prior_at(h.alignment.state.T_camera_hand);

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Which places of a silhouette's outline are looked at.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "align/silhouette.hpp"
+#include "align/topology.hpp"
+
+namespace handyar {
+namespace {
+
+// Less than this beside a place on the outline, and what lies there cannot be told.
+constexpr double kLeast_m = 0.0024;
+// Farther than this from the outline nothing is asked.
+constexpr double kReach_m = 0.016;
+/// Spheres whose own roundness shows: fingertips, webs, the heel.
+constexpr std::array<std::uint8_t, 10> kRound{3, 7, 11, 15, 19, 20, 21, 22, 23, kHeel};
+
+}  // namespace
+
+void Silhouette::try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept {
+  if (count == kMaxAnchors) return;
+  const OutlinePlace at = place(anchor);
+  const float first = 0.5f;
+  if (distance_px(at.px + first * at.normal) < 0.3f * first) return;  // behind another part
+  const float reach = static_cast<float>(to_px(kReach_m));
+  const auto least = static_cast<float>(to_px(kLeast_m));
+  // Free ground ends where another part of the figure begins; each step is as long as is surely
+  // free.
+  float r = std::max(2.0f, least);
+  while (r < reach) {
+    const float d = distance_px(at.px + r * at.normal);
+    if (d < 0.35f * r) {
+      r = std::min(r, r + d) * 0.75f;
+      break;
+    }
+    r += std::max(d, 1.0f);
+  }
+  anchor.outside_px = std::min(r, reach);
+  if (anchor.outside_px < least) return;
+  const float thick = anchor.a == anchor.b
+                          ? r_[anchor.a]
+                          : (1 - anchor.along) * r_[anchor.a] + anchor.along * r_[anchor.b];
+  anchor.inside_px = std::min(1.5f * thick, reach);
+  if (anchor.inside_px < least) return;
+  anchors[count++] = anchor;
+}
+
+int Silhouette::choose(float spacing_px, Anchors& anchors) const noexcept {
+  const Topology& t = topology();
+  int count = 0;
+  for (int i = 0; i < t.own_pairs; ++i) {
+    const auto [a, b] = t.pairs[i];
+    if (a == kWristThumb && b == kWristLittle) continue;  // the wrist has no outline of its own
+    const float length = (disc_px(b) - disc_px(a)).norm(), dr = r_[a] - r_[b];
+    if (length <= std::abs(dr) + 0.5f) continue;
+    const float tangent = std::sqrt(length * length - dr * dr);
+    const int n = std::max(1, static_cast<int>(std::lround(tangent / spacing_px)));
+    for (const int side : {-1, 1})
+      for (int k = 0; k < n; ++k)
+        try_anchor({a, b, static_cast<std::int8_t>(side), (k + 0.5f) / n}, anchors, count);
+  }
+  for (const std::uint8_t s : kRound) {
+    const int n =
+        std::max(6, static_cast<int>(std::lround(2 * std::numbers::pi * r_[s] / spacing_px)));
+    // Angles count from the finger's direction, so that they do not depend on the picture's axes.
+    float from = 0;
+    if (s < kFirstWeb) {
+      const Eigen::Vector2f d = disc_px(s) - disc_px(s - 1);
+      from = std::atan2(d.y(), d.x());
+    }
+    for (int k = 0; k < n; ++k)
+      try_anchor({s, s, 1, from + static_cast<float>(2 * std::numbers::pi * k / n)}, anchors,
+                 count);
+  }
+  return count;
+}
+
+}  // namespace handyar
