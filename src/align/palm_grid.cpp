@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "align/palm_grid.hpp"
 
-#include "vectorised.hpp"
-
 namespace handyar {
 namespace {
 
@@ -50,16 +48,6 @@ std::array<PalmField, 3> palm_surface(const HandFigure& figure) noexcept {
     if (sheets[i] > -1) surface[2][i] = sheets[i];
   surface[2] = smoothed<3>(surface[2]);
   return surface;
-}
-
-HANDYAR_VECTORISED float dot(const PalmField& a, const PalmField& b) noexcept {
-  constexpr int kLanes = 8;
-  std::array<float, kLanes> sums{};
-  for (int i = 0; i < kPalmCells; i += kLanes)
-    for (int lane = 0; lane < kLanes; ++lane) sums[lane] += a[i + lane] * b[i + lane];
-  float sum = 0;
-  for (const float lane : sums) sum += lane;
-  return sum;
 }
 
 }  // namespace handyar

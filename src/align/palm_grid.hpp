@@ -16,9 +16,6 @@ using PalmField = std::array<float, kPalmCells>;
 /// the figure's sheets. Places in the hand frame, metres.
 std::array<PalmField, 3> palm_surface(const HandFigure& figure) noexcept;
 
-/// Sum of products, in one order in every build.
-float dot(const PalmField& a, const PalmField& b) noexcept;
-
 /// Means over so many neighbours on all sides; beyond the grid it goes on as it ends.
 template <int kReach>
 PalmField smoothed(const PalmField& in) noexcept {

@@ -36,6 +36,17 @@ Eigen::Isometry3d pose_at_palm(const Camera& camera, const HandState& state) {
   return state.pose_after(camera.row_time_s(camera.project(state.T_camera_hand.translation()).y()));
 }
 
+/// Sum of products, in one order in every build.
+HANDYAR_VECTORISED float dot(const Field& a, const Field& b) noexcept {
+  constexpr int kLanes = 8;
+  std::array<float, kLanes> sums{};
+  for (int i = 0; i < kCells; i += kLanes)
+    for (int lane = 0; lane < kLanes; ++lane) sums[lane] += a[i + lane] * b[i + lane];
+  float sum = 0;
+  for (const float lane : sums) sum += lane;
+  return sum;
+}
+
 /// Turns both halves of a pose's step.
 Matrix6d turn_of(const Eigen::Matrix3d& R) {
   Matrix6d turn = Matrix6d::Zero();
