@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <type_traits>
 
 #include "align/silhouette.hpp"
 #include "handyar/stages/hand_figure.hpp"
@@ -94,16 +95,37 @@ TEST(HandFigure, AHandModelOfAFigureTellsItAgain) {
   EXPECT_NEAR(hand_of_figure(larger, Layout::thumb_left).span_m() / hand.span_m(), 1.1, 0.01);
 }
 
-TEST(Silhouette, DerivativesAgreeWithCentralDifferences) {
+/// A tilted hand beside the middle of a camera with distortion. At rest: how a figure's derivative
+/// turns with its bent fingers is left out, being small.
+struct SilhouetteOfTiltedHand : testing::Test {
+  SilhouetteOfTiltedHand() {
+    camera.distortion = {-0.1, 0.03, 0, 0, 0};
+    state.T_camera_hand = test::hand_at(0.4, deg(35), deg(50), {0.06, -0.02});
+    state.figure = 0.5 * somebody();
+  }
+
+  HandView view() const { return {camera, state.T_camera_hand.translation()}; }
+
+  /// By how much `of` a silhouette changes with a freedom, by central differences.
+  template <class Of>
+  std::invoke_result_t<Of, const Silhouette&> numeric(int freedom, double step,
+                                                      const Of& of) const {
+    HandVector by = HandVector::Zero();
+    by[freedom] = step;
+    HandState more = state, less = state;
+    more.correct(by);
+    less.correct(-by);
+    return (of(Silhouette(appearance, more, view())) - of(Silhouette(appearance, less, view()))) /
+           (2 * step);
+  }
+
   Camera camera = test::rendered_camera();
-  camera.distortion = {-0.1, 0.03, 0, 0, 0};
   HandState state;
-  state.T_camera_hand = test::hand_at(0.4, deg(35), deg(50), {0.06, -0.02});
-  state.figure = 0.5 * somebody();
-  // At rest: how a figure's derivative turns with its bent fingers is left out, being small.
-  const HandView view(camera, state.T_camera_hand.translation());
-  const Appearance appearance{Face::palm, Layout::thumb_right};
-  const Silhouette silhouette(appearance, state, view);
+  Appearance appearance{Face::palm, Layout::thumb_right};
+};
+
+TEST_F(SilhouetteOfTiltedHand, DerivativesAgreeWithCentralDifferences) {
+  const Silhouette silhouette(appearance, state, view());
   ASSERT_TRUE(silhouette.valid());
   Silhouette::Anchors anchors;
   const int count = silhouette.choose(6, anchors);
@@ -120,50 +142,31 @@ TEST(Silhouette, DerivativesAgreeWithCentralDifferences) {
       const double step = k < 3 || (k >= kAbductionAt && k < kBoundaryAt) ? 2e-3
                           : k < 6                                         ? 5e-4
                                                                           : 0.1;
-      HandVector by = HandVector::Zero();
-      by[k] = step;
-      HandState more = state, less = state;
-      more.correct(by);
-      less.correct(-by);
-      const auto moved = [&](const HandState& s) {
-        return Silhouette(appearance, s, view).place(anchors[i]).px.dot(place.normal);
-      };
-      const double numeric = (moved(more) - moved(less)) / (2 * step);
-      EXPECT_NEAR(J[k], numeric, 0.05 * std::abs(numeric) + 0.002 / step)
+      const double moved = numeric(
+          k, step, [&](const Silhouette& of) { return of.place(anchors[i]).px.dot(place.normal); });
+      EXPECT_NEAR(J[k], moved, 0.05 * std::abs(moved) + 0.002 / step)
           << "anchor " << i << " freedom " << k;
     }
   }
 }
 
-TEST(Silhouette, FingertipsLieWhereTheFigureHasThemAndMoveAsTheirDerivativesSay) {
-  Camera camera = test::rendered_camera();
-  camera.distortion = {-0.1, 0.03, 0, 0, 0};
-  HandState state;
-  state.T_camera_hand = test::hand_at(0.4, deg(35), deg(50), {0.06, -0.02});
-  state.figure = 0.5 * somebody();
-  const HandView view(camera, state.T_camera_hand.translation());
-  const Appearance appearance{Face::palm, Layout::thumb_right};
-  const Silhouette silhouette(appearance, state, view);
+TEST_F(SilhouetteOfTiltedHand, FingertipsLieWhereTheFigureHasThemAndMoveAsTheirDerivativesSay) {
+  const Silhouette silhouette(appearance, state, view());
   ASSERT_TRUE(silhouette.valid());
   const HandFigure figure = make_figure(state.figure, appearance.face, appearance.layout);
   for (int f = 0; f < kFingerCount; ++f) {
     const Eigen::Vector2d px = camera.project(state.T_camera_hand * figure.tips_m.col(f).eval());
-    EXPECT_LT((view.to_frame(silhouette.tip_px(f)) - px.cast<float>()).norm(), 4) << "finger " << f;
-    EXPECT_LT((view.from_frame(px) - silhouette.tip_px(f)).norm(), 4) << "finger " << f;
+    EXPECT_LT((view().to_frame(silhouette.tip_px(f)) - px.cast<float>()).norm(), 4)
+        << "finger " << f;
+    EXPECT_LT((view().from_frame(px) - silhouette.tip_px(f)).norm(), 4) << "finger " << f;
     const TipDerivative J = silhouette.tip_derivative(f);
     for (int k = 0; k < kHandFreedoms; ++k) {
       const double step = k >= kFigureAt ? 0.1 : k >= 3 && k < 6 ? 5e-4 : 2e-3;
-      HandVector by = HandVector::Zero();
-      by[k] = step;
-      HandState more = state, less = state;
-      more.correct(by);
-      less.correct(-by);
-      const Eigen::Vector2d numeric = (Silhouette(appearance, more, view).tip_px(f) -
-                                       Silhouette(appearance, less, view).tip_px(f))
-                                          .cast<double>() /
-                                      (2 * step);
+      const Eigen::Vector2d moved = numeric(k, step, [&](const Silhouette& of) -> Eigen::Vector2d {
+        return of.tip_px(f).cast<double>();
+      });
       // How the finger's direction turns moves the tip about its last sphere, which is left out.
-      EXPECT_LT((J.col(k) - numeric).norm(), 0.25 * numeric.norm() + 0.01 / step)
+      EXPECT_LT((J.col(k) - moved).norm(), 0.25 * moved.norm() + 0.01 / step)
           << "finger " << f << " freedom " << k;
     }
   }
