@@ -162,7 +162,6 @@ FinderNetwork::FinderNetwork()
     : input_(kWidth * kHeight * 3),
       a_(kMostNumbers),
       b_(kMostNumbers),
-      c_(kCellsX * kCellsY * 32),
       level1_(kCellsX * kCellsY * 32),
       level2_(20 * 15 * 64) {
   weights_.reserve(std::size(kFinderWeights) + 4096);
@@ -189,11 +188,11 @@ std::span<const float> FinderNetwork::run() noexcept {
   const Picture size1 = size;
   std::copy_n(a_.data(), size.size(), level1_.data());
   size = separable(a_, size, 64, 3, 2, weights, b_);
-  for (int i = 0; i < 3; ++i) size = separable(a_, size, 64, 5, 1, weights, b_);
+  for (int i = 0; i < 4; ++i) size = separable(a_, size, 64, 5, 1, weights, b_);
   const Picture size2 = size;
   std::copy_n(a_.data(), size.size(), level2_.data());
   size = separable(a_, size, 96, 3, 2, weights, b_);
-  for (int i = 0; i < 7; ++i) size = separable(a_, size, 96, 5, 1, weights, b_);
+  for (int i = 0; i < 10; ++i) size = separable(a_, size, 96, 5, 1, weights, b_);
 
   const auto up = [&](std::vector<float>& level, Picture to) {
     const float* point = weights.take(size.channels * to.channels);
@@ -211,8 +210,8 @@ std::span<const float> FinderNetwork::run() noexcept {
 
   const float* head = weights.take(32 * kOutputs);
   const float* head_bias = weights.take(kOutputs);
-  pointwise(a_.data(), kCellsX * kCellsY, 32, kOutputs, head, head_bias, c_.data());
-  return {c_.data(), static_cast<std::size_t>(kCellsX * kCellsY * kOutputs)};
+  pointwise(a_.data(), kCellsX * kCellsY, 32, kOutputs, head, head_bias, b_.data());
+  return {b_.data(), static_cast<std::size_t>(kCellsX * kCellsY * kOutputs)};
 }
 
 }  // namespace handyar

@@ -25,7 +25,7 @@ class FinderNetwork {
   std::span<const float> run() noexcept;
 
  private:
-  std::vector<float> weights_, input_, a_, b_, c_, level1_, level2_;
+  std::vector<float> weights_, input_, a_, b_, level1_, level2_;
 };
 
 }  // namespace handyar

@@ -22,7 +22,7 @@ LEAST_SPAN = 3.0  # cells
 MOST_CANDIDATES, SAME_HAND = 4, 0.35
 # Real rooms hold so many times more that is like a hand than these pictures do, and of hands that
 # count or grasp, which lack a finger, so many times more again.
-OTHER_ROOMS, OTHER_HANDS = 2.4, 2.0
+OTHER_ROOMS, OTHER_HANDS = 2.4, 4.0
 
 
 def sigmoid(x):
@@ -107,15 +107,14 @@ def main():
     ap.add_argument('network')
     ap.add_argument('out')
     ap.add_argument('--data', required=True)
-    ap.add_argument('--names', nargs='+', default=['hands'])
     ap.add_argument('--count', type=int, default=3000)
     a = ap.parse_args()
     torch.set_num_threads(1)
     net = Finder()
     net.load_state_dict(torch.load(a.network))
     net.eval()
-    models = constellations(a.data, a.names)
-    samples, pictures = Samples(a.data, a.names, 424242), []
+    models = constellations(a.data)
+    samples, pictures = Samples(a.data, 424242), []
     w = np.array([5.0, 1.2, 0.36, -1.4, -1.8])
     for _ in range(a.count):
         picture, hands = samples.sample()

@@ -59,15 +59,13 @@ class Constellation:
         return (white ** 2).sum(1), z
 
 
-def constellations(folder, names):
-    hands = []
-    for name in names:
-        pack = Pack(os.path.join(folder, name + '.npz'))
-        for tips, kind in zip(pack.more['tips'], pack.more['kinds']):
-            if kind == CLOSED:
-                continue
-            z = tips[:, 0] + 1j * tips[:, 1]
-            hands.append(z if thumb_right(tips) else -z.conj())
+def constellations(folder):
+    hands, pack = [], Pack(os.path.join(folder, 'hands.npz'))
+    for tips, kind in zip(pack.more['tips'], pack.more['kinds']):
+        if kind == CLOSED:
+            continue
+        z = tips[:, 0] + 1j * tips[:, 1]
+        hands.append(z if thumb_right(tips) else -z.conj())
     hands = np.array(hands)
     return [Constellation(hands, missing) for missing in range(FINGERS + 1)]
 

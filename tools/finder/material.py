@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Cuts hands out of rendered sequences and permitted photographs, and collects backgrounds.
+"""Packs what samples are drawn from: rendered cut-outs, hands of permitted photographs, backgrounds.
 
-  material.py --out DIR --sequences DIR... --real ../shared/data/real --backgrounds DIR... --plates DIR...
+  material.py --out SET --cutouts DIR --real DATA/real --backgrounds DIR... --plates DIR...
 
-Writes hands.npz (pictures with alpha, fingertips in finger order, palm or back) and
-backgrounds.npz. What is taken of the photographs stands in REAL: by origin, so that the rest can be
-reported on.
+Writes hands.npz (pictures with alpha, fingertips in finger order, which kind each is), people.npz
+(pictures with alpha, where the face is) and backgrounds.npz. Which photographs are taken stands in
+STILLS and CLIPS, by origin, so that the rest can be reported on.
 """
 import argparse
 import csv
@@ -17,12 +17,11 @@ os.environ['OPENCV_IO_ENABLE_OPENEXR'] = '1'
 import cv2
 import numpy as np
 
-from samples import palm_of
+from samples import CLOSED, OPEN, PHOTOGRAPHED, WHOLE, palm_of
 
 SIDE = 208  # longest side of a cut-out, pixels
 STILLS = ('SubhiH/HandsDataset', 'ardamavi/Sign-Language-Digits-Dataset')
 CLIPS = ('wall_a.mp4', 'desk_stereo0.mp4', 'desk_stereo1.mp4')
-CLOSED, OPEN, WHOLE = 0, 1, 2  # WHOLE: a photograph as it is, its hand not cut out
 WHOLE_SIDE = 320
 
 
@@ -48,34 +47,14 @@ def cut(bgr, alpha, tips):
     return rgba, tips
 
 
-def sequence_hands(folder, step):
-    truth = json.load(open(os.path.join(folder, 'truth.json')))
-    video = cv2.VideoCapture(os.path.join(folder, 'video.mp4'))
-    masks = cv2.VideoCapture(os.path.join(folder, 'mask.mkv'))
-    right = truth.get('hand_side', 'R') == 'R'
-    for i, f in enumerate(truth['frames']):
-        ok, bgr = video.read()
-        ok2, mask = masks.read()
-        if not ok or not ok2:
-            break
-        if i % step or f.get('hand_visible_fraction', 1) < 0.9:
+def cutouts(folder, kind):
+    """What cutouts.py has rendered of one kind, and what it tells of each."""
+    for path in sorted(glob.glob(os.path.join(folder, kind, '*.json'))):
+        rgba = cv2.imread(path[:-5] + '.png', cv2.IMREAD_UNCHANGED)
+        if rgba is None:  # still being written
             continue
-        mask = mask[..., 0]
-        alpha = np.where((mask > 220) | (np.abs(mask.astype(int) - 128) < 30), 255, 0).astype(np.uint8)
-        alpha = cv2.GaussianBlur(alpha, (3, 3), 0)
-        fold = f.get('fold', 0)
-        label = f.get('label', 'open')
-        tips = np.array(f['tips_px'], float)
-        if fold < 0.02 and label == 'open' and all(f['tip_visible']):
-            made = cut(bgr, alpha, tips)
-            if made:
-                c = made[1] - made[1].mean(0)
-                thumb_right = sum(c[k, 0] * c[k + 1, 1] - c[k, 1] * c[k + 1, 0] for k in range(4)) < 0
-                yield made + (int(right == thumb_right), OPEN)
-        elif label in ('closed', 'four') or fold > 0.8:
-            made = cut(bgr, alpha, None)
-            if made:
-                yield made[0], np.zeros((5, 2)), -1, CLOSED
+        # A path tracer's bright specks are single pixels.
+        yield np.ascontiguousarray(cv2.medianBlur(np.ascontiguousarray(rgba[..., :3]), 3)), rgba[..., 3], json.load(open(path))
 
 
 def rows(path):
@@ -141,14 +120,14 @@ def backgrounds(folders, plates):
                 if (np.abs(np.diff(bgr.astype(np.int16), axis=1)).max(2) == 0).mean() > 0.45 and len(name) % 6:
                     continue  # drawings: flat areas; some of them will do
                 s = 420 / max(bgr.shape[:2])
-                yield cv2.resize(bgr, None, fx=min(1, s), fy=min(1, s), interpolation=cv2.INTER_AREA), 0
+                yield cv2.resize(bgr, None, fx=min(1, s), fy=min(1, s), interpolation=cv2.INTER_AREA)
     for folder in plates:
         for path in sorted(glob.glob(os.path.join(folder, '**', '*.exr'), recursive=True)):
             if os.path.basename(path).startswith(('alb', 'nrm', 'aov')):
                 continue
             e = cv2.imread(path, cv2.IMREAD_UNCHANGED)[..., :3]
             bgr = (np.clip(np.nan_to_num(e), 0, 1) ** (1 / 2.2) * 255).astype(np.uint8)
-            yield cv2.resize(bgr, (560, 478), interpolation=cv2.INTER_AREA), 1
+            yield cv2.resize(bgr, (560, 478), interpolation=cv2.INTER_AREA)
 
 
 def pack(path, pictures, **more):
@@ -160,33 +139,42 @@ def pack(path, pictures, **more):
 def main():
     ap = argparse.ArgumentParser()
     ap.add_argument('--out', required=True)
-    ap.add_argument('--sequences', nargs='*', default=[], help='folders with truth.json')
-    ap.add_argument('--step', type=int, default=1)
+    ap.add_argument('--cutouts')
     ap.add_argument('--real')
     ap.add_argument('--backgrounds', nargs='*', default=[])
     ap.add_argument('--plates', nargs='*', default=[])
-    ap.add_argument('--name', default='hands')
     a = ap.parse_args()
-    pictures, tips, faces, kinds = [], [], [], []
-    for folder in a.sequences:
-        for picture, t, face, kind in sequence_hands(folder, a.step):
-            pictures.append(picture); tips.append(t); faces.append(face); kinds.append(kind)
-    if a.real:
-        for bgr, t in real_hands(a.real):
-            s = min(1, WHOLE_SIDE / max(bgr.shape[:2]))
-            small = cv2.resize(bgr, None, fx=s, fy=s, interpolation=cv2.INTER_AREA)
-            pictures.append(np.dstack([small, np.full(small.shape[:2], 255, np.uint8)]))
-            tips.append((t + 0.5) * s - 0.5); faces.append(-1); kinds.append(WHOLE)
-            alpha = grab(small, tips[-1])
-            made = None if alpha is None else cut(small, alpha, tips[-1])
+    pictures, tips, kinds = [], [], []
+
+    def keep(picture, t, kind):
+        pictures.append(picture)
+        tips.append(np.zeros((5, 2)) if t is None else t)
+        kinds.append(kind)
+
+    for bgr, t in real_hands(a.real) if a.real else ():
+        s = min(1, WHOLE_SIDE / max(bgr.shape[:2]))
+        small = cv2.resize(bgr, None, fx=s, fy=s, interpolation=cv2.INTER_AREA)
+        t = (t + 0.5) * s - 0.5
+        keep(np.dstack([small, np.full(small.shape[:2], 255, np.uint8)]), t, WHOLE)
+        alpha = grab(small, t)
+        made = None if alpha is None else cut(small, alpha, t)
+        if made:
+            keep(*made, PHOTOGRAPHED)
+    for name, kind in (('open', OPEN), ('closed', CLOSED)) if a.cutouts else ():
+        for bgr, alpha, told in cutouts(a.cutouts, name):
+            made = cut(bgr, alpha, np.array(told['tips']) if kind == OPEN else None)
             if made:
-                pictures.append(made[0]); tips.append(made[1]); faces.append(-1); kinds.append(OPEN)
+                keep(*made, kind)
     if pictures:
-        pack(os.path.join(a.out, a.name + '.npz'), pictures, tips=tips, faces=faces, kinds=kinds)
-        print(len(pictures), 'hands,', kinds.count(CLOSED), 'closed')
+        pack(os.path.join(a.out, 'hands.npz'), pictures, tips=tips, kinds=kinds)
+        print(*(f'{kinds.count(k)} {n},' for k, n in ((OPEN, 'open hands'), (CLOSED, 'others'), (PHOTOGRAPHED, 'photographed'), (WHOLE, 'photographs'))))
+    if a.cutouts:
+        people = [(np.dstack([bgr, alpha]), told['face']) for bgr, alpha, told in cutouts(a.cutouts, 'people')]
+        pack(os.path.join(a.out, 'people.npz'), [p for p, _ in people], faces=[f for _, f in people])
+        print(len(people), 'people')
     if a.backgrounds or a.plates:
         found = list(backgrounds(a.backgrounds, a.plates))
-        pack(os.path.join(a.out, 'backgrounds.npz'), [b for b, _ in found], people=[p for _, p in found])
+        pack(os.path.join(a.out, 'backgrounds.npz'), found)
         print(len(found), 'backgrounds')
 
 

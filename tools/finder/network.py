@@ -15,6 +15,7 @@ PALMS, TIPS = slice(0, 2), slice(2, 7)
 OUTPUTS = 7
 
 CHANNELS = (16, 32, 64, 96)
+BLOCKS = (4, 10)  # at the third and the fourth level
 
 
 class Separable(nn.Module):
@@ -43,9 +44,9 @@ class Finder(nn.Module):
         self.down1 = Separable(a, b, 3, 2)
         self.at1 = Separable(b, b, 3)
         self.down2 = Separable(b, c, 3, 2)
-        self.at2 = nn.Sequential(*[Separable(c, c, 5) for _ in range(3)])
+        self.at2 = nn.Sequential(*[Separable(c, c, 5) for _ in range(BLOCKS[0])])
         self.down3 = Separable(c, d, 3, 2)
-        self.at3 = nn.Sequential(*[Separable(d, d, 5) for _ in range(7)])
+        self.at3 = nn.Sequential(*[Separable(d, d, 5) for _ in range(BLOCKS[1])])
         self.up2 = nn.Conv2d(d, c, 1)
         self.join2 = Separable(c, c, 3)
         self.up1 = nn.Conv2d(c, b, 1)

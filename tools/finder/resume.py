@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Takes the weights in the source back into a network that can be trained on.
 
-  resume.py ../../src/find/finder_weights.inc finder.pt --data DIR [--names hands...]
+  resume.py ../../src/find/finder_weights.inc finder.pt --data SET
 
 Folded batch normalisation is split again: each gets the mean and the variance that its convolution
 has on training pictures, and what undoes them, so that the network computes what it did.
@@ -34,7 +34,6 @@ def main():
     ap.add_argument('source')
     ap.add_argument('out')
     ap.add_argument('--data', required=True)
-    ap.add_argument('--names', nargs='+', default=['hands'])
     a = ap.parse_args()
     net, moments = Finder().eval(), {}
     for (conv, norm), (w, b) in zip(net.convolutions(), read_blocks(a.source)):
@@ -49,7 +48,7 @@ def main():
         norm.bias.data = torch.tensor(b, dtype=torch.float32)
         conv.register_forward_hook(lambda _, __, y, norm=norm: moments.update(
             {norm: (y.mean((0, 2, 3)), y.var((0, 2, 3)))}))
-    samples = Samples(a.data, a.names, 5)
+    samples = Samples(a.data, 5)
     pictures = torch.from_numpy(np.stack([samples.sample()[0] for _ in range(256)]))
     with torch.no_grad():
         before = net(as_input(pictures[:8]))

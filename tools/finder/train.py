@@ -12,14 +12,14 @@ from samples import Samples
 
 
 class Stream(torch.utils.data.IterableDataset):
-    def __init__(self, folder, names, seed):
-        self.folder, self.names, self.seed = folder, names, seed
+    def __init__(self, folder, seed):
+        self.folder, self.seed = folder, seed
 
     def __iter__(self):
         import cv2
         cv2.setNumThreads(1)
         info = torch.utils.data.get_worker_info()
-        samples = Samples(self.folder, self.names, self.seed + 1000 * info.id)
+        samples = Samples(self.folder, self.seed + 1000 * info.id)
         while True:
             picture, hands = samples.sample()
             target, weight = samples.target(hands)
@@ -32,12 +32,10 @@ def as_input(pictures):
 
 
 def heat_loss(logits, target, weight):
-    """CenterNet's focal loss."""
-    p = torch.sigmoid(logits).clamp(1e-5, 1 - 1e-5)
-    peak = (target > 0.97).float()
-    hit = -(1 - p) ** 2 * torch.log(p) * peak
-    miss = -(1 - target) ** 4 * p ** 2 * torch.log(1 - p) * (1 - peak)
-    return (weight * (hit + miss)).sum() / peak.sum().clamp(min=1)
+    """Quality focal loss (Li et al., "Generalized Focal Loss", 2020): cross entropy with soft targets."""
+    off = (target - torch.sigmoid(logits)).abs()
+    entropy = F.binary_cross_entropy_with_logits(logits, target, reduction='none')
+    return (weight * off ** 2 * entropy).sum() / (target > 0.8).float().sum().clamp(min=1)
 
 
 def loss_of(out, target, weight):
@@ -49,22 +47,23 @@ def loss_of(out, target, weight):
 def main():
     ap = argparse.ArgumentParser()
     ap.add_argument('--data', required=True)
-    ap.add_argument('--names', nargs='+', default=['seeds', 'many', 'open', 'real'])
     ap.add_argument('--out', required=True)
     ap.add_argument('--start')
     ap.add_argument('--minutes', type=float, default=50)
     ap.add_argument('--rate', type=float, default=3e-3)
     ap.add_argument('--batch', type=int, default=48)
     ap.add_argument('--workers', type=int, default=1)
+    ap.add_argument('--threads', type=int, default=2)
     ap.add_argument('--seed', type=int, default=1)
     a = ap.parse_args()
     torch.manual_seed(a.seed)
+    torch.set_num_threads(a.threads)
     net, mean = Finder().to(memory_format=torch.channels_last), Finder()
     if a.start:
         net.load_state_dict(torch.load(a.start))
     mean.load_state_dict(net.state_dict())
     optimiser = torch.optim.AdamW(net.parameters(), lr=a.rate, weight_decay=1e-4)
-    loader = torch.utils.data.DataLoader(Stream(a.data, a.names, a.seed), a.batch, num_workers=a.workers, prefetch_factor=4)
+    loader = torch.utils.data.DataLoader(Stream(a.data, a.seed), a.batch, num_workers=a.workers, prefetch_factor=4)
     begun, step, seen, sums = time.time(), 0, 0, np.zeros(2)
     for pictures, target, weight in loader:
         done = (time.time() - begun) / (60 * a.minutes)
