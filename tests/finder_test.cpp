@@ -50,7 +50,7 @@ class DrawnMaps {
       for (int x = 0; x < FinderMaps::kWidth; ++x) {
         float& here = numbers_[(y * FinderMaps::kWidth + x) * FinderNetwork::kOutputs + map];
         const float off = (Eigen::Vector2f(x, y) - place).norm();
-        here = std::max(here, log_odds - 3 * off);
+        here = std::max(here, log_odds - 2 * off);
       }
   }
 
