@@ -361,8 +361,7 @@ class Hands:
         away = r.random() < 0.5
         tilt, to = abs(r.normal(0, 30)) if r.random() < 0.85 else r.uniform(0, 70), r.uniform(0, 2 * np.pi)
         R = turned(np.radians(tilt) * np.cos(to), np.radians(tilt) * np.sin(to), np.radians(r.normal(0, 20))) @ turned(0, np.pi if away else 0, 0)
-        left = r.random() < 0.5
-        R = np.diag([-1.0 if left else 1.0, 1, 1]) @ R
+        R = np.diag([-1.0 if r.random() < 0.5 else 1.0, 1, 1]) @ R
         distance = np.exp(r.uniform(np.log(0.2), np.log(0.9)))
         at = np.array([0, 0.03, -distance]) - R @ [0, 0.02, 0]
         self.studio.place([self.thing], R, at, r.uniform(720, 880) * distance)
@@ -374,7 +373,7 @@ class Hands:
             return None
         if not self.studio.shoot(path, r):
             return None
-        return dict(tips=pixels.round(2).tolist() if self.kind == 'open' else None, side='L' if left else 'R', face='back' if away else 'palm')
+        return dict(tips=pixels.round(2).tolist() if self.kind == 'open' else None)
 
     def visible(self, placed):
         graph = bpy.context.evaluated_depsgraph_get()
