@@ -70,24 +70,30 @@ TEST_F(TwoHands, AreFollowedAtOnce) {
   }
 }
 
-TEST_F(TwoHands, KeepTheirPlacesWhenTheyPass) {
+/// By how far the left hand moves in a frame, in millimetres: 0.15 to 0.4 m/s.
+struct TwoHandsThatPass : TwoHands, testing::WithParamInterface<int> {};
+
+TEST_P(TwoHandsThatPass, KeepTheirPlaces) {
+  const double most_m = 0.001 * GetParam();
   left_x_m = 0.17;
   left_present = false;
   ASSERT_LT(film.until(State::tracking, 0.5), 0.5);
   left_present = true;
   until_both(0.5);
   for (const double to_m : {-0.17, 0.17}) {
-    while (std::abs(left_x_m - to_m) > 0.005) {
-      left_x_m += to_m > left_x_m ? 0.009 : -0.009;
+    while (left_x_m != to_m) {
+      left_x_m += std::clamp(to_m - left_x_m, -most_m, most_m);
       next();
     }
     until_both(0.6);
     EXPECT_EQ(film.result.layout, Layout::thumb_right);
     EXPECT_EQ(result.layout, Layout::thumb_left);
     EXPECT_LT(film.worst_tip_px(), 8);
-    EXPECT_LT(left_off_px(), 8);
+    EXPECT_LT(left_off_px(), 13);  // its palm is cut by the picture's border
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Speeds, TwoHandsThatPass, testing::Values(5, 9, 13));
 
 TEST_F(TwoHands, OneHandIsNeverTwo) {
   left_present = false;

@@ -78,6 +78,7 @@ FrameStatus HandTracker::Impl::admit(const ImageView& frame, double time_s) noex
 void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
   if (!seen.hypotheses.follow(frame, camera, dt_s, config, aligner) || follows_hand_of_other())
     seen.hypotheses.clear();
+  tell_from_other();
 }
 
 void HandTracker::Impl::compare_postures(const ImageView& frame, double dt_s) noexcept {
@@ -188,6 +189,7 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     seen.hypotheses = fresh;
     std::swap(aligner, scout);
     seen.filter.reset();
+    seen.own_layout = candidate.layout;
     if (seen.state == State::tracking) seen.changed_s = seen.time_s;
     if (reading == Reading::elsewhere) seen.belief = candidate.log_odds;
     return;

@@ -32,6 +32,10 @@ struct TrackerState {
   double learned_s = 0;  ///< for how long the person's figure has been learned
   PoseFilter filter;
   Layout filtered_layout = Layout::thumb_right;  ///< of the hand frame that the filter follows
+  /// Of two hands: by which this one is told from the other, and whether they met and have not been
+  /// seen apart since.
+  Layout own_layout = Layout::thumb_right;
+  bool met = false;
 };
 
 struct HandTracker::Impl {
@@ -67,13 +71,18 @@ struct HandTracker::Impl {
   /// Shares the view with one other tracker, or with none.
   void share_view(Impl* with) noexcept;
   bool has_hand() const noexcept { return seen.hypotheses.size() > 0; }
+  /// Whether a hand is followed or was lost a short while ago.
+  bool has_followed() const noexcept;
   /// Whether the hand was not lost from the last frame to this one.
   bool holds_hand() const noexcept;
   /// Whether a candidate is the hand that the other tracker follows.
   bool is_of_other(const HandCandidate& candidate) const noexcept;
   /// Whether a candidate is left to the other tracker, which has lost its hand or waits for one.
   bool is_for_other(const HandCandidate& candidate, Reading reading) const noexcept;
-  /// Whether both trackers follow one hand, and the other explains it better.
+  /// Keeps by which layout this hand is told from the other's.
+  void tell_from_other() noexcept;
+  /// Whether the hand that is followed is the other's: it lies there and is explained better by the
+  /// other tracker, or it has turned into the other's where they met.
   bool follows_hand_of_other() const noexcept;
   /// Whether it is time to search for a hand, while there is none.
   bool may_search() const noexcept;

@@ -33,25 +33,41 @@ bool HandTracker::Impl::is_of_other(const HandCandidate& candidate) const noexce
   return from_other < kApart && !(holds_hand() && distance(followed()) < from_other);
 }
 
+bool HandTracker::Impl::has_followed() const noexcept {
+  return seen.state == State::tracking || seen.state == State::lost;
+}
+
 bool HandTracker::Impl::is_for_other(const HandCandidate& candidate,
                                      Reading reading) const noexcept {
   if (other == nullptr || other->holds_hand()) return false;
-  const auto was_followed = [](const Impl& t) {
-    return t.seen.state == State::tracking || t.seen.state == State::lost;
-  };
-  if (holds_hand()) return reading == Reading::elsewhere || was_followed(*other);
-  return was_followed(*other) && candidate.layout == other->seen.filtered_layout &&
-         candidate.layout != seen.filtered_layout;
+  if (holds_hand()) return reading == Reading::elsewhere || other->has_followed();
+  return other->has_followed() && candidate.layout == other->seen.own_layout &&
+         candidate.layout != seen.own_layout;
+}
+
+void HandTracker::Impl::tell_from_other() noexcept {
+  if (other == nullptr || !has_hand()) return;
+  if (other->has_hand()) {
+    const HandPlace its = other->followed();
+    seen.met = (followed().palm_px - its.palm_px).norm() < its.reach_px();
+  } else if (!other->has_followed()) {
+    seen.met = false;
+  }
+  if (!seen.met) seen.own_layout = seen.hypotheses.best().appearance.layout;
 }
 
 bool HandTracker::Impl::follows_hand_of_other() const noexcept {
-  if (other == nullptr || !other->has_hand()) return false;
+  if (other == nullptr || !has_hand()) return false;
+  const Layout layout = seen.hypotheses.best().appearance.layout;
+  if (seen.met && layout != seen.own_layout && layout == other->seen.own_layout) return true;
+  if (!other->has_hand()) return false;
   return followed().same_tips(other->followed()) && seen.belief < other->seen.belief;
 }
 
 bool HandTracker::Impl::may_search() const noexcept {
   if (other == nullptr) return true;
-  return other->in_view() != nullptr ? seen.time_s - seen.looked_s >= config.belief.same_s : leads;
+  if (other->in_view() == nullptr) return leads;
+  return seen.state == State::lost || seen.time_s - seen.looked_s >= config.belief.same_s;
 }
 
 void share_view(HandTracker& first, HandTracker& second) noexcept {
