@@ -89,7 +89,7 @@ TEST_P(TwoHandsThatPass, KeepTheirPlaces) {
     EXPECT_EQ(film.result.layout, Layout::thumb_right);
     EXPECT_EQ(result.layout, Layout::thumb_left);
     EXPECT_LT(film.worst_tip_px(), 8);
-    EXPECT_LT(left_off_px(), 13);  // its palm is cut by the picture's border
+    EXPECT_LT(left_off_px(), 8);
   }
 }
 

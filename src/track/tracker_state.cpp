@@ -208,7 +208,7 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
     seen.belief = std::min(
         seen.belief + share * evidence_of(seen.hypotheses.best().alignment, limits), limits.most);
   }
-  const bool was = seen.state == State::tracking || seen.state == State::lost;
+  const bool was = has_followed();
   if (!is_seen || seen.belief < limits.give_up) {
     seen.hypotheses.clear();
     seen.belief = 0;
