@@ -36,7 +36,7 @@ FOUR_AZ, FOUR_EL = (30, -22, -48), (48, 30, 14)
 def posture(params, kind, r):
     """Directions of the fingers' segments (azimuth, elevation), and how far each is folded."""
     spread = {'spread': r.uniform(0.7, 1.25), 'easy': r.uniform(0.2, 0.9), 'together': r.uniform(-0.05, 0.3)}
-    way = r.choice(['spread', 'easy', 'together', 'relaxed'], p=[0.25, 0.33, 0.22, 0.2])
+    way = r.choice(['spread', 'easy', 'together', 'relaxed'], p=[0.18, 0.24, 0.34, 0.24])
     s = spread.get(way, r.uniform(0, 0.8))
     az = {f: [s * v for v in params['az'][f]] for f in '2345'}
     thumb = r.uniform(-38, 12)
