@@ -59,7 +59,8 @@ class Picture {
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) {
         const double d = distance(Eigen::Vector2d(x, y)) * px_per_unit;
-        if (std::abs(d) > 2) {  // no edge is that near: the next pixels are as this one
+        // The pixel's points are half a pixel off: none is beyond the edge, nor are the next pixels.
+        if (std::abs(d) > 0.9) {
           const int end =
               std::min(width_, x + 1 + static_cast<int>(std::min(0.4 * std::abs(d), 1e4)));
           if (d < 0)

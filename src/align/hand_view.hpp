@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "handyar/camera.hpp"
+#include "pose/so3.hpp"
 
 namespace handyar {
 
@@ -18,8 +19,7 @@ class HandView {
  public:
   HandView(const Camera& camera, const Eigen::Vector3d& towards_m)
       : camera_(camera),
-        R_view_camera_(Eigen::Quaterniond::FromTwoVectors(towards_m, Eigen::Vector3d::UnitZ())
-                           .toRotationMatrix()),
+        R_view_camera_(so3::between(towards_m, Eigen::Vector3d::UnitZ()).toRotationMatrix()),
         f_px_(0.5 * (camera.fx_px + camera.fy_px)) {}
 
   const Eigen::Matrix3d& R_view_camera() const { return R_view_camera_; }

@@ -94,7 +94,8 @@ void FingertipFinder::fit_ellipse(Fingertip& tip, const Eigen::Vector2f& palm,
   if (!c.allFinite() || Q.determinant() < 1e-3 || Q.trace() < 0) return;
   const Eigen::Vector2d centre = -0.5 * Q.inverse() * Eigen::Vector2d(c[3], c[4]);
   const double k = 1 + centre.dot(Q * centre);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(Q);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(Q);
   const double major = std::sqrt(k / axes.eigenvalues()[0]);
   Eigen::Vector2d along = axes.eigenvectors().col(0);
   if (along.dot(inwards.cast<double>()) > 0) along = -along;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "pose/so3.hpp"
+
 namespace handyar {
 namespace {
 
@@ -67,7 +69,7 @@ std::optional<Eigen::Matrix3d> homography(Points plane, const Spread& spread, Po
 std::array<Eigen::Matrix3d, 2> rotations(const Eigen::Vector2d& q, const Eigen::Matrix2d& J) {
   // In a frame with its z axis on the ray through q, perspective at q becomes a scaling.
   const Eigen::Matrix3d R_ray =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), q.homogeneous()).matrix();
+      so3::between(Eigen::Vector3d::UnitZ(), q.homogeneous()).toRotationMatrix();
   const Eigen::Matrix2d B = R_ray.topLeftCorner<2, 2>() - q * R_ray.block<1, 2>(2, 0);
   const Eigen::Matrix2d A = B.inverse() * J;
 

@@ -30,4 +30,18 @@ inline Eigen::Vector3d log(const Eigen::Quaterniond& q) {
 }
 inline Eigen::Vector3d log(const Eigen::Matrix3d& R) { return log(Eigen::Quaterniond(R)); }
 
+/// The least rotation that turns the direction of `from` into that of `to`, neither of them 0; of
+/// opposite directions, one of those by half a turn. Eigen's own takes the compiler seconds.
+inline Eigen::Quaterniond between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d a = from.normalized(), b = to.normalized();
+  // Twice the cosine of half the angle, which the cross product loses near half a turn.
+  const double twice_c = (a + b).norm();
+  if (twice_c < 1e-8) {
+    const Eigen::Vector3d axis = a.unitOrthogonal();
+    return {0, axis.x(), axis.y(), axis.z()};
+  }
+  const Eigen::Vector3d v = a.cross(b) / twice_c;
+  return Eigen::Quaterniond(0.5 * twice_c, v.x(), v.y(), v.z()).normalized();
+}
+
 }  // namespace handyar::so3

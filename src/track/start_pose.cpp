@@ -41,7 +41,7 @@ Eigen::Isometry3d facing(const RoughTips& tips, const HandFigure::Tips& tips_m,
   T.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
                Eigen::Vector3d(1, -1, -1).asDiagonal();
   const Eigen::Vector3d line(mean_ray.x(), mean_ray.y(), 1);
-  T.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), line) * T.linear();
+  T.linear() = so3::between(Eigen::Vector3d::UnitZ(), line) * T.linear();
   const Eigen::Vector3d middle(mean_hand.x(), mean_hand.y(), 0);
   T.translation() = depth_m * line - T.linear() * middle;
   return T;
@@ -93,8 +93,7 @@ Eigen::Isometry3d other_planar_solution(const Eigen::Isometry3d& T_camera_hand) 
   const Eigen::Vector3d normal = T_camera_hand.linear().col(2);
   const Eigen::Vector3d mirrored = 2 * sight.dot(normal) * sight - normal;
   Eigen::Isometry3d other = T_camera_hand;
-  other.linear() = Eigen::Quaterniond::FromTwoVectors(normal, mirrored).toRotationMatrix() *
-                   T_camera_hand.linear();
+  other.linear() = so3::between(normal, mirrored).toRotationMatrix() * T_camera_hand.linear();
   return other;
 }
 
