@@ -348,6 +348,10 @@ TEST(Footage, TreeIsJudgedSequenceBySequence) {
   EXPECT_EQ(figures[1].jumps, 0);
   EXPECT_EQ(figures[1].unsound, 0);
 
+  const FootageFigures twice = measure(find_footage(tree / "clips", {})[0], 2);
+  EXPECT_NEAR(twice.frames, 1.7 * figures[0].frames, 1) << "once whole, once from three tenths on";
+  EXPECT_GT(twice.falsely_tracked, figures[0].falsely_tracked);
+
   fs::create_directories(folder / "report");
   const std::string text = write_distribution(folder / "report", figures);
   EXPECT_NE(text.find("## rooms"), std::string::npos);

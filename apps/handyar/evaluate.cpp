@@ -47,6 +47,7 @@ struct Evaluation {
   std::vector<std::string> sequences;
   SequenceOptions options;
   std::string stills, report;
+  int begins = 1;
   std::string board;
   double square_mm = 0, aruco_mm = 0, apriltag_mm = 0;
   std::string aruco_dictionary = "DICT_4X4_50";
@@ -82,7 +83,7 @@ int evaluate_trees(const Evaluation& e) {
     ProgressLine line("sequences: ");
     for (const Footage& f : footage) {
       require_no_interrupt();
-      figures.push_back(measure(f));
+      figures.push_back(measure(f, e.begins));
       line.show(int(figures.size()), int(footage.size()));
     }
   }
@@ -100,6 +101,7 @@ int evaluate(const Evaluation& e) {
       throw WrongUsage("a tree of sequences is evaluated alone");
     return evaluate_trees(e);
   }
+  if (e.begins > 1) throw WrongUsage("--begins is for trees");
   const fs::path report = e.report;
   require_distinct_files({e.stills, e.options.camera_file, e.options.hand_file},
                          {report / "report.html", report / "errors.csv", report / "stills.csv",
@@ -160,6 +162,10 @@ Command add_evaluate(CLI::App& app) {
   options->add_option("--hand", e->options.hand_file, "Hand file (JSON) for all of them");
   options->add_flag("--uncalibrated", e->options.uncalibrated,
                     "The average hand, though a measured one is known");
+  options->add_option("--begins", e->begins,
+                      "Of a tree: how often each clip of an open_frames.csv is begun, each time "
+                      "from another place")
+      ->check(between(1, 100));
   options->add_option("--board", e->board, "Checkerboard in view, inner corners, e.g. 8x6");
   options->add_option("--square-mm", e->square_mm, "Side of its squares")->check(between(1, 10000));
   options->add_option("--aruco-mm", e->aruco_mm, "Side of an ArUco marker in view")

@@ -64,11 +64,12 @@ std::string row(const Column& c, const Figures& figures) {
 
 std::string group_table(const std::string& group, const Figures& figures) {
   int open = 0, right = 0, wrong = 0, other = 0, handless = 0, falsely = 0, changes = 0;
-  int jumps = 0, unsound = 0;
+  int jumps = 0, unsound = 0, wrong_as_sound = 0;
   for (const FootageFigures* f : figures) {
     open += f->open_frames;
     right += f->right;
     wrong += f->wrong;
+    wrong_as_sound += f->wrong_as_sound;
     other += f->on_other_hand;
     handless += f->handless_frames;
     falsely += f->falsely_tracked;
@@ -79,7 +80,8 @@ std::string group_table(const std::string& group, const Figures& figures) {
   std::string text = "## " + group + "\n\n" + std::to_string(figures.size()) + " sequences. Of " +
                      std::to_string(open) + " frames with an open hand in view, " +
                      std::to_string(right) + " rightly and " + std::to_string(wrong) +
-                     " wrongly tracked, " + std::to_string(other) + " on a second hand; " +
+                     " wrongly tracked (" + std::to_string(wrong_as_sound) +
+                     " of these not said to be doubtful), " + std::to_string(other) + " on a second hand; " +
                      std::to_string(changes) + " changes of state between them, " +
                      number(open > 0 ? 100.0 * changes / open : kUnknown, 1) +
                      " in a hundred. Of poses shown as sound, " + std::to_string(jumps) +
@@ -105,15 +107,15 @@ bool is_worse(const FootageFigures& a, const FootageFigures& b) {
 
 std::string sequences_csv(const std::vector<FootageFigures>& figures) {
   std::string text =
-      "group,sequence,frames,open_frames,right,wrong,on_other_hand,handless_frames,falsely_tracked,"
+      "group,sequence,frames,open_frames,right,wrong,wrong_as_sound,on_other_hand,handless_frames,falsely_tracked,"
       "state_changes,jumps,unsound";
   for (const Column& c : kColumns)
     text += "," + csv_field(std::string(c.name) + " (" + c.unit + ")");
   text += "\n";
   for (const FootageFigures& f : figures) {
     text += csv_field(f.group) + "," + csv_field(f.name);
-    for (const int n : {f.frames, f.open_frames, f.right, f.wrong, f.on_other_hand,
-                        f.handless_frames, f.falsely_tracked, f.state_changes, f.jumps, f.unsound})
+    for (const int n : {f.frames, f.open_frames, f.right, f.wrong, f.wrong_as_sound,
+                        f.on_other_hand, f.handless_frames, f.falsely_tracked, f.state_changes, f.jumps, f.unsound})
       text += "," + std::to_string(n);
     for (const Column& c : kColumns) text += "," + csv_number(c.value(f));
     text += "\n";

@@ -57,11 +57,19 @@ class Counter {
     figures_.open_frames += open;
     figures_.right += open && tracked && right;
     figures_.on_other_hand += open && on_other_hand;
-    figures_.wrong += open && tracked && !right && !on_other_hand;
+    const bool wrong = open && tracked && !right && !on_other_hand;
+    figures_.wrong += wrong;
+    figures_.wrong_as_sound += wrong && is_shown_as_sound(r);
     figures_.state_changes += open && previous_ && *previous_ != r.state;
     previous_ = open ? std::optional(r.state) : std::nullopt;
     count_jump(r);
     (tracked ? tracking_ms_ : searching_ms_).push_back(r.times.total_ms);
+  }
+
+  /// What comes next does not follow on what was.
+  void begin_anew() {
+    previous_.reset();
+    sound_at_m_.reset();
   }
 
   void finish() {
@@ -88,6 +96,7 @@ class Counter {
 };
 
 void measure_rendered(const Analysis& a, FootageFigures& f) {
+  f.frames = int(a.recording.main_track().results.size());
   const std::vector<FrameError>& errors = a.main_track().errors;
   Counter counter(f);
   for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -111,20 +120,39 @@ void measure_rendered(const Analysis& a, FootageFigures& f) {
   f.nees_within_95 = all.nees_within_95;
 }
 
-void measure_clip(const Footage& footage, const Analysis& a, FootageFigures& f) {
-  const std::vector<TrackResult>& results = a.recording.main_track().results;
+/// The recording, and those that begin later in its first three fifths, `begins` in all.
+std::vector<Recording> begun_anew(const Recording& whole, int begins) {
+  constexpr double kFirstPart = 0.6;
+  std::vector<Recording> recordings{whole};
+  for (int i = 1; i < begins; ++i) {
+    const auto at = std::size_t(kFirstPart * i / begins * double(whole.frame_index.size()));
+    recordings.push_back(
+        record(whole.sequence, Methods::figure_only, {}, whole.frame_index[at]));
+  }
+  return recordings;
+}
+
+/// Of a clip that is begun as often as it has recordings.
+void measure_clip(const Footage& footage, const std::vector<Recording>& recordings,
+                  FootageFigures& f) {
   Counter counter(f);
   std::vector<double> of_span;
-  int seen = 0, tracked = 0;
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    const auto tips = footage.open_tips_px.find(int(a.recording.frame_index[i]));
-    seen = tips == footage.open_tips_px.end() ? 0 : seen + 1;
-    const bool open = seen > kRegainFrames;
-    const TipErrors errors = open ? tip_errors(results[i].tips, tips->second) : TipErrors{};
-    counter.add(results[i], open, errors.right(), false);
-    if (errors.right())
-      for (const double px : errors.px) of_span.push_back(px / errors.span_px);
-    tracked += results[i].state == State::tracking;
+  int tracked = 0;
+  for (const Recording& recording : recordings) {
+    const std::vector<TrackResult>& results = recording.main_track().results;
+    counter.begin_anew();
+    int seen = 0;
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      const auto tips = footage.open_tips_px.find(int(recording.frame_index[i]));
+      seen = tips == footage.open_tips_px.end() ? 0 : seen + 1;
+      const bool open = seen > kRegainFrames;
+      const TipErrors errors = open ? tip_errors(results[i].tips, tips->second) : TipErrors{};
+      counter.add(results[i], open, errors.right(), false);
+      if (errors.right())
+        for (const double px : errors.px) of_span.push_back(px / errors.span_px);
+      tracked += results[i].state == State::tracking;
+    }
+    f.frames += int(results.size());
   }
   counter.finish();
   f.tip_of_span = summarize(of_span);
@@ -153,16 +181,15 @@ std::vector<Footage> find_footage(const fs::path& tree, const SequenceOptions& o
   return all;
 }
 
-FootageFigures measure(const Footage& footage) {
+FootageFigures measure(const Footage& footage, int begins) {
   const Analysis a = analyse(record(footage.sequence, Methods::figure_only));
   FootageFigures f;
   f.group = footage.group;
   f.name = footage.sequence.name;
-  f.frames = int(a.recording.main_track().results.size());
   if (a.has_truth())
     measure_rendered(a, f);
   else
-    measure_clip(footage, a, f);
+    measure_clip(footage, begun_anew(a.recording, begins), f);
   for (Picture& p : take_pictures(a)) {
     if (!f.worst_jpeg.empty() && !p.worst) continue;
     f.worst_caption = p.caption;

@@ -139,7 +139,8 @@ const MarkerTrack* Recording::find_marker(const std::string& system, bool half_r
   return nullptr;
 }
 
-Recording record(const Sequence& sequence, Methods methods, const Progress& progress) {
+Recording record(const Sequence& sequence, Methods methods, const Progress& progress,
+                 std::int64_t first_frame) {
   cv::setNumThreads(1);  // everything that is timed runs on one thread
   const auto source = io::open_input(sequence.video);
   Session session(sequence, methods);
@@ -148,6 +149,7 @@ Recording record(const Sequence& sequence, Methods methods, const Progress& prog
   int done = 0;
   try {
     while (source->read(frame)) {
+      if (frame.index < first_frame) continue;
       session.process(frame);
       if (progress) progress(++done, int(source->info().frame_count));
     }

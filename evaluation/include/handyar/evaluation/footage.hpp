@@ -31,6 +31,7 @@ std::vector<Footage> find_footage(const std::filesystem::path& tree,
 struct FootageFigures {
   std::string group, name;
   int frames = 0, open_frames = 0, right = 0, wrong = 0;
+  int wrong_as_sound = 0;                        ///< of the wrong ones, those not said to be doubtful
   int on_other_hand = 0;                         ///< open frames in which a second hand is tracked
   int handless_frames = 0, falsely_tracked = 0;  ///< a clip that never shows an open hand: all
   int state_changes = 0;                         ///< between open frames
@@ -50,7 +51,9 @@ struct FootageFigures {
   double wrong_percent() const { return open_frames ? 100.0 * wrong / open_frames : kUnknown; }
 };
 
-FootageFigures measure(const Footage& footage);
+/// A clip that a list names is begun `begins` times, from as many places in its first three fifths,
+/// and all that is tracked then counts: where a hand is begun is chance, and much hangs on it.
+FootageFigures measure(const Footage& footage, int begins = 1);
 
 /// Writes sequences.csv, distribution.md and worst-1.jpg to worst-5.jpg into the folder; returns
 /// the text of distribution.md. Throws io::Error.

@@ -57,7 +57,9 @@ using Progress = std::function<void(int done, int promised)>;
 enum class Methods { all, figure_only };
 
 /// Reads the video once and lets everything see each frame: the tracker of either method, the
-/// paper's at both resolutions, both marker systems at both resolutions, the board.
-Recording record(const Sequence& sequence, Methods methods, const Progress& progress = {});
+/// paper's at both resolutions, both marker systems at both resolutions, the board. Frames before
+/// `first_frame` of the video are passed over, as if the camera had been off.
+Recording record(const Sequence& sequence, Methods methods, const Progress& progress = {},
+                 std::int64_t first_frame = 0);
 
 }  // namespace handyar::evaluation
