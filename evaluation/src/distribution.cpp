@@ -81,8 +81,9 @@ std::string group_table(const std::string& group, const Figures& figures) {
                      std::to_string(open) + " frames with an open hand in view, " +
                      std::to_string(right) + " rightly and " + std::to_string(wrong) +
                      " wrongly tracked (" + std::to_string(wrong_as_sound) +
-                     " of these not said to be doubtful), " + std::to_string(other) + " on a second hand; " +
-                     std::to_string(changes) + " changes of state between them, " +
+                     " of these not said to be doubtful), " + std::to_string(other) +
+                     " on a second hand; " + std::to_string(changes) +
+                     " changes of state between them, " +
                      number(open > 0 ? 100.0 * changes / open : kUnknown, 1) +
                      " in a hundred. Of poses shown as sound, " + std::to_string(jumps) +
                      " leap by over a fifth of the distance and " + std::to_string(unsound) +
@@ -107,15 +108,16 @@ bool is_worse(const FootageFigures& a, const FootageFigures& b) {
 
 std::string sequences_csv(const std::vector<FootageFigures>& figures) {
   std::string text =
-      "group,sequence,frames,open_frames,right,wrong,wrong_as_sound,on_other_hand,handless_frames,falsely_tracked,"
-      "state_changes,jumps,unsound";
+      "group,sequence,frames,open_frames,right,wrong,wrong_as_sound,on_other_hand,handless_frames,"
+      "falsely_tracked,state_changes,jumps,unsound";
   for (const Column& c : kColumns)
     text += "," + csv_field(std::string(c.name) + " (" + c.unit + ")");
   text += "\n";
   for (const FootageFigures& f : figures) {
     text += csv_field(f.group) + "," + csv_field(f.name);
     for (const int n : {f.frames, f.open_frames, f.right, f.wrong, f.wrong_as_sound,
-                        f.on_other_hand, f.handless_frames, f.falsely_tracked, f.state_changes, f.jumps, f.unsound})
+                        f.on_other_hand, f.handless_frames, f.falsely_tracked, f.state_changes,
+                        f.jumps, f.unsound})
       text += "," + std::to_string(n);
     for (const Column& c : kColumns) text += "," + csv_number(c.value(f));
     text += "\n";
