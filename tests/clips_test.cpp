@@ -145,6 +145,29 @@ TEST(Clips, HandIsLaidRightlyFromWhicheverFrameItIsFirstSeen) {
   }
 }
 
+TEST(Clips, PalmAndBackOfAStrangersHandAreToldApart) {
+  for (const auto& [clip, face] : {std::pair{"sample", Face::palm},
+                                   {"select", Face::palm},
+                                   {"calibrate", Face::back},
+                                   {"compare", Face::back},
+                                   {"wall", Face::back}}) {
+    const auto source = io::open_input(data(clip + std::string("/video.mp4")));
+    const auto& [width_px, height_px] =
+        std::pair(source->info().width_px, source->info().height_px);
+    HandTracker tracker(Camera::from_field_of_view(width_px, height_px), average_adult_hand());
+    int tracked = 0, right = 0;
+    io::Frame frame;
+    while (source->read(frame)) {
+      const TrackResult r = tracker.process(frame.view(), frame.time_s);
+      if (r.state != State::tracking) continue;
+      ++tracked;
+      right += r.face == face;
+    }
+    EXPECT_GT(tracked, 20) << clip;
+    EXPECT_GE(100 * right, 98 * tracked) << clip;
+  }
+}
+
 TEST(Clips, WallOfAlmostSkinColour) {
   // Annotations by frame: tips, where inside the picture.
   std::map<std::int64_t, std::array<Eigen::Vector2d, kFingerCount>> annotations;

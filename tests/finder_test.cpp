@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "find/constellation.hpp"
+#include "find/face_network.hpp"
 #include "find/network.hpp"
 #include "hand_film.hpp"
 #include "handyar/stages/hand_finder.hpp"
@@ -187,11 +188,65 @@ TEST(Finder, GivesTheSameBitsAgain) {
 // and without vectors. The number is made anew whenever the weights are.
 TEST(Finder, TheNetworkGivesTheSameBitsEverywhere) {
   FinderNetwork network;
+  layers::Workspace workspace;
   std::mt19937 rng = test::random_for("network");
-  for (float& x : network.input()) x = static_cast<float>(rng() % 256);
+  for (float& x : workspace.colors) x = static_cast<float>(rng() % 256);
   std::uint32_t hash = 2166136261u;
-  for (const float x : network.run()) hash = (hash ^ std::bit_cast<std::uint32_t>(x)) * 16777619u;
+  for (const float x : network.run(workspace))
+    hash = (hash ^ std::bit_cast<std::uint32_t>(x)) * 16777619u;
   EXPECT_EQ(hash, 3302898621u);
+}
+
+TEST(Finder, TheFacesNetworkGivesTheSameBitsEverywhere) {
+  Picture noise(64, 64);
+  noise.add_noise(80, 1);
+  HandPlace hand;
+  const auto tips = tips_in_cells();
+  for (int f = 0; f < kFingerCount; ++f) hand.tips_px[f] = 1.5f * tips[f];
+  const FaceNetwork network;
+  layers::Workspace workspace;
+  const float log_odds = network.palm_log_odds(noise.view(), hand, Layout::thumb_right, workspace);
+  EXPECT_EQ(std::bit_cast<std::uint32_t>(log_odds), 1069774511u) << log_odds;
+}
+
+// A mirrored palm is a palm, and so is one that is turned or larger.
+TEST(Finder, TheFaceHangsNeitherOnTheSideNorOnTurnAndSize) {
+  const FaceNetwork network;
+  layers::Workspace workspace;
+  const Shown shown(220);
+  const int width = shown.picture.width(), height = shown.picture.height();
+  // The same picture, each of its pixels elsewhere.
+  const auto read = [&](Layout layout, int new_width, int new_height, const auto& from,
+                        const auto& to) {
+    Picture picture(new_width, new_height);
+    for (int y = 0; y < new_height; ++y)
+      for (int x = 0; x < new_width; ++x) {
+        const auto [old_x, old_y] = from(x, y);
+        std::copy_n(shown.picture.at(old_x, old_y), 3, picture.at(x, y));
+      }
+    HandPlace hand;
+    for (int f = 0; f < kFingerCount; ++f)
+      hand.tips_px[f] = to(shown.film.true_tip_px(f).cast<float>().eval());
+    return network.palm_log_odds(picture.view(), hand, layout, workspace);
+  };
+  using Place = Eigen::Vector2f;
+  const float upright = read(
+      Layout::thumb_right, width, height, [](int x, int y) { return std::pair(x, y); },
+      [](const Place& p) { return p; });
+  const float mirrored = read(
+      Layout::thumb_left, width, height, [&](int x, int y) { return std::pair(width - 1 - x, y); },
+      [&](const Place& p) { return Place(width - 1 - p.x(), p.y()); });
+  const float turned = read(
+      Layout::thumb_right, height, width,
+      [&](int x, int y) { return std::pair(y, height - 1 - x); },
+      [&](const Place& p) { return Place(height - 1 - p.y(), p.x()); });
+  const float doubled = read(
+      Layout::thumb_right, 2 * width, 2 * height,
+      [](int x, int y) { return std::pair(x / 2, y / 2); },
+      [](const Place& p) { return Place(2 * p.x() + 0.5f, 2 * p.y() + 0.5f); });
+  EXPECT_NEAR(mirrored, upright, 0.1);
+  EXPECT_NEAR(turned, upright, 0.1);
+  EXPECT_NEAR(doubled, upright, 0.5);
 }
 
 }  // namespace

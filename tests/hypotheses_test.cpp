@@ -15,11 +15,12 @@ using test::deg;
 
 /// The ways to see a drawn hand of somebody unknown, begun where its fingertips are.
 struct Beginning {
-  Beginning(const Config& config, double tilt_rad) {
+  Beginning(const Config& config, double tilt_rad, float palm_log_odds = 0) {
     film.tilt_rad = tilt_rad;
     film.T_camera_hand = film.pose_at(0);
     HandCandidate candidate;
     candidate.layout = film.hand.appearance.layout;
+    candidate.palm_log_odds = palm_log_odds;
     for (int f = 0; f < kFingerCount; ++f) candidate.tips_px[f] = film.true_tip_px(f).cast<float>();
     found = ways.begin(candidate, film.picture().view(), film.camera,
                        Person(estimate_figure(average_adult_hand())), config, aligner);
@@ -42,6 +43,27 @@ TEST(Hypotheses, WaysThatAreNotDecidedBetweenAreTheDoubtOfThePose) {
     hand.ways.resume(hand.ways.best());
     EXPECT_LT(hand.ways.spread().norm(), 1e-20) << "one way is not in doubt";
   }
+}
+
+TEST(Hypotheses, TheFinderTellsPalmFromBackWhereTheOutlineDoesNot) {
+  for (const float palm_log_odds : {-6.0f, 6.0f}) {
+    const Beginning hand({}, 0, palm_log_odds);
+    ASSERT_TRUE(hand.found);
+    EXPECT_EQ(hand.ways.best().appearance.face, palm_log_odds > 0 ? Face::palm : Face::back);
+  }
+}
+
+TEST(Hypotheses, TheFinderChangesItsMindAboutTheFace) {
+  Beginning hand({}, 0, 2);
+  ASSERT_TRUE(hand.found);
+  HandCandidate back;
+  back.layout = hand.film.hand.appearance.layout;
+  back.palm_log_odds = -6;
+  for (int f = 0; f < kFingerCount; ++f) back.tips_px[f] = hand.film.true_tip_px(f).cast<float>();
+  hand.ways.expect(&back, 1, {});
+  ASSERT_TRUE(
+      hand.ways.follow(hand.film.picture().view(), hand.film.camera, 1.0 / 30, {}, hand.aligner));
+  EXPECT_EQ(hand.ways.best().appearance.face, Face::back);
 }
 
 TEST(Hypotheses, TheSideThatIsToldLeavesOneFace) {

@@ -54,6 +54,7 @@ class Counter {
 
   void add(const TrackResult& r, bool open, bool right, bool on_other_hand) {
     const bool tracked = r.state == State::tracking;
+    ++figures_.frames;
     figures_.open_frames += open;
     figures_.right += open && tracked && right;
     figures_.on_other_hand += open && on_other_hand;
@@ -96,7 +97,6 @@ class Counter {
 };
 
 void measure_rendered(const Analysis& a, FootageFigures& f) {
-  f.frames = int(a.recording.main_track().results.size());
   const std::vector<FrameError>& errors = a.main_track().errors;
   Counter counter(f);
   for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -126,8 +126,7 @@ std::vector<Recording> begun_anew(const Recording& whole, int begins) {
   std::vector<Recording> recordings{whole};
   for (int i = 1; i < begins; ++i) {
     const auto at = std::size_t(kFirstPart * i / begins * double(whole.frame_index.size()));
-    recordings.push_back(
-        record(whole.sequence, Methods::figure_only, {}, whole.frame_index[at]));
+    recordings.push_back(record(whole.sequence, Methods::figure_only, {}, whole.frame_index[at]));
   }
   return recordings;
 }
@@ -152,7 +151,6 @@ void measure_clip(const Footage& footage, const std::vector<Recording>& recordin
         for (const double px : errors.px) of_span.push_back(px / errors.span_px);
       tracked += results[i].state == State::tracking;
     }
-    f.frames += int(results.size());
   }
   counter.finish();
   f.tip_of_span = summarize(of_span);

@@ -21,6 +21,9 @@ class HandCandidates {
   std::span<const HandCandidate> items() const noexcept {
     return {items_.data(), static_cast<std::size_t>(count_)};
   }
+  std::span<HandCandidate> items() noexcept {
+    return {items_.data(), static_cast<std::size_t>(count_)};
+  }
 
  private:
   std::array<HandCandidate, kMost> items_;

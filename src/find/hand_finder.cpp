@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "find/constellation.hpp"
+#include "find/face_network.hpp"
 #include "find/network.hpp"
 #include "image/pixel_reader.hpp"
 
@@ -44,11 +45,14 @@ FinderRegion HandPlace::region(float width_px) const noexcept {
 
 struct HandFinder::Impl {
   Network network;
+  FaceNetwork faces;
+  layers::Workspace workspace;
   HandCandidates candidates;
   int turn = 0;  ///< of the parts, which one is next
 
   void sample(const ImageView& frame, const FinderRegion& region) noexcept;
   void look(const ImageView& frame, const FinderRegion& region) noexcept;
+  void tell_faces(const ImageView& frame) noexcept;
 };
 
 HandFinder::HandFinder() : impl_(std::make_unique<Impl>()) {}
@@ -71,7 +75,7 @@ void HandFinder::Impl::sample(const ImageView& frame, const FinderRegion& region
   std::array<int, Network::kWidth * kMostReads> columns;
   for (int i = 0; i < Network::kWidth * reads; ++i)
     columns[i] = static_cast<int>(std::floor(first.x() + scale * (i + 0.5f) / reads + 0.5f));
-  float* out = network.input().data();
+  float* out = workspace.colors.data();
   for (int v = 0; v < Network::kHeight; ++v)
     for (int u = 0; u < Network::kWidth; ++u, out += 3) {
       std::array<int, 3> sum{};
@@ -96,7 +100,7 @@ void HandFinder::Impl::sample(const ImageView& frame, const FinderRegion& region
 void HandFinder::Impl::look(const ImageView& frame, const FinderRegion& region) noexcept {
   sample(frame, region);
   HandCandidates there;
-  read_constellations(FinderMaps(network.run()), there);
+  read_constellations(FinderMaps(network.run(workspace)), there);
   const float cell_px = region.width_px / Network::kCellsX;
   const Eigen::Vector2f first =
       region.centre_px - 0.5f * cell_px * Eigen::Vector2f(Network::kCellsX, Network::kCellsY);
@@ -111,10 +115,16 @@ void HandFinder::Impl::look(const ImageView& frame, const FinderRegion& region) 
   candidates.sort();
 }
 
+void HandFinder::Impl::tell_faces(const ImageView& frame) noexcept {
+  for (HandCandidate& hand : candidates.items())
+    hand.palm_log_odds = faces.palm_log_odds(frame, hand, hand.layout, workspace);
+}
+
 std::span<const HandCandidate> HandFinder::look(const ImageView& frame,
                                                 const FinderRegion& region) noexcept {
   impl_->candidates.clear();
   impl_->look(frame, region);
+  impl_->tell_faces(frame);
   return impl_->candidates.items();
 }
 
@@ -137,6 +147,7 @@ std::span<const HandCandidate> HandFinder::search(const ImageView& frame) noexce
   }
   if (const auto found = finder.candidates.items(); !found.empty())
     finder.look(frame, found[0].region(kSecondLook * found[0].span_px()));
+  finder.tell_faces(frame);
   const auto found = finder.candidates.items();
   // Where a hand is likely the next frame is searched in the same way.
   if (found.empty() || found[0].log_odds < 0) ++finder.turn;

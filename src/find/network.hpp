@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "find/layers.hpp"
+
 namespace handyar {
 
 /// The finder's network as tools/finder/network.py has it: layer by layer, in single precision, in
@@ -18,14 +20,12 @@ class FinderNetwork {
 
   FinderNetwork();
 
-  /// Where the next picture goes: red, green and blue of each pixel, 0 to 255.
-  std::span<float> input() noexcept { return input_; }
-
-  /// Runs it. kOutputs numbers for each cell; log odds. Valid until the next run.
-  std::span<const float> run() noexcept;
+  /// Runs it on the workspace's colours. kOutputs numbers for each cell; log odds. Valid until the
+  /// workspace is used again.
+  std::span<const float> run(layers::Workspace& in) noexcept;
 
  private:
-  std::vector<float> weights_, input_, a_, b_, level1_, level2_;
+  std::vector<float> weights_, level1_, level2_;
 };
 
 }  // namespace handyar

@@ -202,8 +202,25 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       keep_distinct(h);
     }
   }
+  weigh_faces(candidate, 1, config.belief);
   sort_and_prune(config.belief.most);
   return count_ > 0;
+}
+
+void Hypotheses::expect(const HandCandidate* seen, double share,
+                        const BeliefConfig& belief) noexcept {
+  tips_.reset();
+  if (seen == nullptr) return;
+  tips_ = rough_tips(*seen);
+  weigh_faces(*seen, share, belief);
+}
+
+void Hypotheses::weigh_faces(const HandCandidate& seen, double share,
+                             const BeliefConfig& belief) noexcept {
+  const double palm =
+      share * std::clamp<double>(seen.palm_log_odds, -belief.most_frame, belief.most_frame);
+  for (Hypothesis& h : std::span(items_.data(), count_))
+    if (h.appearance.face == Face::palm) h.log_weight += palm;
 }
 
 Matrix6d Hypotheses::spread() const noexcept {

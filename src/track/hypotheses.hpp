@@ -41,8 +41,9 @@ class Hypotheses {
   bool begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
              const Person& person, const TrackerConfig& config, Aligner& aligner) noexcept;
 
-  /// Where a finder sees the fingertips, for the next frame to be followed.
-  void expect(const std::optional<RoughTips>& tips) noexcept { tips_ = tips; }
+  /// What a finder sees of the hand: where the fingertips are, for the next frame to be followed,
+  /// and, `share` of what it says, which face. Null: nothing.
+  void expect(const HandCandidate* seen, double share, const BeliefConfig& belief) noexcept;
 
   /// Lays each on the next frame, weighs them, drops the unlikely. False when none can be seen.
   bool follow(const ImageView& frame, const Camera& camera, double dt_s,
@@ -63,6 +64,8 @@ class Hypotheses {
   /// Adds a way to see the hand, in the place of one that is nearly the same or of the least likely
   /// one where there is no room, unless these are likelier.
   void keep_distinct(const Hypothesis& hypothesis) noexcept;
+  /// Adds what a finder says of the face, `share` of it.
+  void weigh_faces(const HandCandidate& seen, double share, const BeliefConfig& belief) noexcept;
   /// The likeliest first; what is less likely than it by more than `most` nats is given up.
   void sort_and_prune(double most) noexcept;
 

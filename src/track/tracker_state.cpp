@@ -118,13 +118,13 @@ HandTracker::Impl::Reading HandTracker::Impl::compare(const HandCandidate& candi
   return candidate.same_tips(now) ? Reading::same : Reading::otherwise;
 }
 
-std::optional<RoughTips> HandTracker::Impl::seen_tips() const noexcept {
+const HandCandidate* HandTracker::Impl::seen_again() const noexcept {
   const HandPlace now = followed();
   for (const HandCandidate& candidate : candidates)
     if (candidate.log_odds > 0 && !is_of_other(candidate) &&
         compare(candidate, now) != Reading::elsewhere)
-      return rough_tips(candidate);
-  return std::nullopt;
+      return &candidate;
+  return nullptr;
 }
 
 double HandTracker::Impl::verdict() const noexcept {
@@ -158,10 +158,11 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
   if ((sure && since_s < limits.same_s) || (!had && !may_search())) return;
   seen.looked_s = seen.time_s;
   find(frame, had);
-  if (had)
-    seen.belief += std::min(1.0, since_s / limits.same_s) *
-                   std::clamp(verdict(), -limits.most_frame, limits.most_frame);
-  if (had) seen.hypotheses.expect(seen_tips());
+  if (had) {
+    const double share = std::min(1.0, since_s / limits.same_s);
+    seen.belief += share * std::clamp(verdict(), -limits.most_frame, limits.most_frame);
+    seen.hypotheses.expect(seen_again(), share, limits);
+  }
   begin(frame);
 }
 

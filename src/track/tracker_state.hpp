@@ -62,8 +62,8 @@ struct HandTracker::Impl {
   /// How the finder reads the place where a hand is followed.
   enum class Reading { same, otherwise, elsewhere };
   Reading compare(const HandCandidate& candidate, const HandPlace& now) const noexcept;
-  /// Where the finder sees the fingertips of the hand that is followed.
-  std::optional<RoughTips> seen_tips() const noexcept;
+  /// The hand that is followed as the finder sees it; null where it does not.
+  const HandCandidate* seen_again() const noexcept;
   double verdict() const noexcept;  ///< of the finder on the hand that is followed, log odds
   void find(const ImageView& frame, bool only_there) noexcept;
   void begin(const ImageView& frame) noexcept;

@@ -3,8 +3,8 @@
 
   blender -b -t 1 -P cutouts.py -- RENDER_FOLDER --kind open|closed|people --first 1 --count 1000 --out DIR
 
-Writes DIR/KIND/000001.png (colours and alpha) and DIR/KIND/000001.json: the fingertips in pixels, or
-where a person's face is. The same number gives the same picture. Blender is started once, so that a
+Writes DIR/KIND/000001.png (colours and alpha) and DIR/KIND/000001.json: the fingertips in pixels
+and which face of the hand is seen, or where a person's face is. The same number gives the same picture. Blender is started once, so that a
 picture takes about a second; numbers that are there are skipped. Hands whose fingertips cannot all be
 seen are left out.
 """
@@ -373,7 +373,7 @@ class Hands:
             return None
         if not self.studio.shoot(path, r):
             return None
-        return dict(tips=pixels.round(2).tolist() if self.kind == 'open' else None)
+        return dict(tips=pixels.round(2).tolist() if self.kind == 'open' else None, shows='back' if away else 'palm')
 
     def visible(self, placed):
         graph = bpy.context.evaluated_depsgraph_get()

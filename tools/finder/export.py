@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Writes the trained weights as C++: export.py finder.pt ../../src/find/finder_weights.inc.
+"""Writes trained weights as C++: export.py finder.pt ../../src/find/finder_weights.inc, or face.pt
+../../src/find/face_weights.inc.
 
 Batch normalisation is folded into the convolutions; each output's weights become 8-bit with a scale
 of their own.
@@ -9,6 +10,7 @@ import sys
 import numpy as np
 import torch
 
+from face import FaceNetwork
 from network import Finder
 
 
@@ -30,8 +32,9 @@ def quantised(w):
 
 
 def main():
-    net = Finder()
-    net.load_state_dict(torch.load(sys.argv[1]))
+    trained = torch.load(sys.argv[1])
+    net = Finder() if 'down1.depth.weight' in trained else FaceNetwork()
+    net.load_state_dict(trained)
     net.eval()
     weights, scales, table = [], [], []
     for w, b in blocks(net):
@@ -51,13 +54,11 @@ def main():
         return '\n'.join(text + [line])
 
     with open(sys.argv[2], 'w') as f:
-        f.write('// SPDX-License-Identifier: MIT\n// Made by tools/finder/export.py; do not edit.\n\n'
-                '/// So many weights of a layer, in 8 bits, and outputs with a scale and a bias each.\n'
-                'struct FinderBlock {\n  int weights, outputs;\n};\n')
-        f.write('inline constexpr FinderBlock kFinderBlocks[] = {\n%s};\n' % lines(table, lambda t: '{%d, %d}' % t))
-        f.write('/// Scales of a block, then its biases.\ninline constexpr float kFinderScales[] = {\n%s};\n'
+        f.write('// SPDX-License-Identifier: MIT\n// Made by tools/finder/export.py; do not edit.\n\n')
+        f.write('constexpr layers::Block kBlocks[] = {\n%s};\n' % lines(table, lambda t: '{%d, %d}' % t))
+        f.write('/// Scales of a block, then its biases.\nconstexpr float kScales[] = {\n%s};\n'
                 % lines(scales, lambda x: '%.7ef' % x))
-        f.write('inline constexpr std::int8_t kFinderWeights[] = {\n%s};\n' % lines(weights, str))
+        f.write('constexpr std::int8_t kWeights[] = {\n%s};\n' % lines(weights, str))
     print(len(weights), 'weights,', len(scales) // 2, 'scales')
 
 

@@ -3,7 +3,8 @@
 
   material.py --out SET --cutouts DIR --real DATA/real --backgrounds DIR... --plates DIR...
 
-Writes hands.npz (pictures with alpha, fingertips in finger order, which kind each is), people.npz
+Writes hands.npz (pictures with alpha, fingertips in finger order, which kind each is, which face it
+shows: 0 palm, 1 back, -1 not told), people.npz
 (pictures with alpha, where the face is) and backgrounds.npz. Which photographs are taken stands in
 STILLS and CLIPS, by origin, so that the rest can be reported on.
 """
@@ -17,11 +18,11 @@ os.environ['OPENCV_IO_ENABLE_OPENEXR'] = '1'
 import cv2
 import numpy as np
 
-from samples import CLOSED, OPEN, PHOTOGRAPHED, WHOLE, palm_of
+from samples import BACK, CLOSED, OPEN, PALM, PHOTOGRAPHED, WHOLE, palm_of
 
 SIDE = 208  # longest side of a cut-out, pixels
-STILLS = ('SubhiH/HandsDataset', 'ardamavi/Sign-Language-Digits-Dataset')
-CLIPS = ('wall_a.mp4', 'desk_stereo0.mp4', 'desk_stereo1.mp4')
+STILLS = ('SubhiH/HandsDataset', 'ardamavi/Sign-Language-Digits-Dataset')  # palms
+CLIPS = ('wall_a.mp4', 'desk_stereo0.mp4', 'desk_stereo1.mp4')  # backs
 WHOLE_SIDE = 320
 
 
@@ -67,7 +68,7 @@ def real_hands(real):
     for r, tips in rows(os.path.join(real, 'stills', 'fingertips.csv')):
         if r['source'] in STILLS:
             bgr = cv2.imread(os.path.join(real, 'stills', r['file']))
-            yield bgr, tips
+            yield bgr, tips, PALM
     wanted = {}
     for r, tips in rows(os.path.join(real, 'clips', 'fingertips.csv')):
         if r['clip'] in CLIPS:
@@ -77,7 +78,7 @@ def real_hands(real):
         for i in range(max(frames) + 1):
             ok, bgr = video.read()
             if ok and i in frames:
-                yield bgr, frames[i]
+                yield bgr, frames[i], BACK
 
 
 def grab(bgr, tips):
@@ -144,29 +145,30 @@ def main():
     ap.add_argument('--backgrounds', nargs='*', default=[])
     ap.add_argument('--plates', nargs='*', default=[])
     a = ap.parse_args()
-    pictures, tips, kinds = [], [], []
+    pictures, tips, kinds, faces = [], [], [], []
 
-    def keep(picture, t, kind):
+    def keep(picture, t, kind, face):
         pictures.append(picture)
         tips.append(np.zeros((5, 2)) if t is None else t)
         kinds.append(kind)
+        faces.append(face)
 
-    for bgr, t in real_hands(a.real) if a.real else ():
+    for bgr, t, face in real_hands(a.real) if a.real else ():
         s = min(1, WHOLE_SIDE / max(bgr.shape[:2]))
         small = cv2.resize(bgr, None, fx=s, fy=s, interpolation=cv2.INTER_AREA)
         t = (t + 0.5) * s - 0.5
-        keep(np.dstack([small, np.full(small.shape[:2], 255, np.uint8)]), t, WHOLE)
+        keep(np.dstack([small, np.full(small.shape[:2], 255, np.uint8)]), t, WHOLE, face)
         alpha = grab(small, t)
         made = None if alpha is None else cut(small, alpha, t)
         if made:
-            keep(*made, PHOTOGRAPHED)
+            keep(*made, PHOTOGRAPHED, face)
     for name, kind in (('open', OPEN), ('closed', CLOSED)) if a.cutouts else ():
         for bgr, alpha, told in cutouts(a.cutouts, name):
             made = cut(bgr, alpha, np.array(told['tips']) if kind == OPEN else None)
             if made:
-                keep(*made, kind)
+                keep(*made, kind, {'palm': PALM, 'back': BACK}[told['shows']] if kind == OPEN else -1)
     if pictures:
-        pack(os.path.join(a.out, 'hands.npz'), pictures, tips=tips, kinds=kinds)
+        pack(os.path.join(a.out, 'hands.npz'), pictures, tips=tips, kinds=kinds, faces=faces)
         print(*(f'{kinds.count(k)} {n},' for k, n in ((OPEN, 'open hands'), (CLOSED, 'others'), (PHOTOGRAPHED, 'photographed'), (WHOLE, 'photographs'))))
     if a.cutouts:
         people = [(np.dstack([bgr, alpha]), told['face']) for bgr, alpha, told in cutouts(a.cutouts, 'people')]

@@ -22,8 +22,8 @@ def read_blocks(path):
     text = open(path).read()
     body = lambda name: re.search(name + r'\[\] = \{(.*?)\n\};|' + name + r'\[\] = \{(.*?)\};', text, re.S)
     numbers = lambda name: re.findall(r'-?\d+(?:\.\d+)?(?:e[-+]?\d+)?', ''.join(filter(None, body(name).groups())))
-    table = np.array(numbers('kFinderBlocks'), int).reshape(-1, 2)
-    scales, weights = np.array(numbers('kFinderScales'), float), np.array(numbers('kFinderWeights'), int)
+    table = np.array(numbers('kBlocks'), int).reshape(-1, 2)
+    scales, weights = np.array(numbers('kScales'), float), np.array(numbers('kWeights'), int)
     for size, outputs in table:
         yield weights[:size].reshape(-1, outputs) * scales[:outputs], scales[outputs:2 * outputs]
         weights, scales = weights[size:], scales[2 * outputs:]

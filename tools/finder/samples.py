@@ -9,6 +9,8 @@ from network import CELLS_X, CELLS_Y, HEIGHT, OUTPUTS, PALMS, STRIDE, TIPS, WIDT
 
 # What a picture of a hand is: rendered and not open; rendered; cut out of a photograph; a photograph as it is.
 CLOSED, OPEN, PHOTOGRAPHED, WHOLE = range(4)
+# Which face of it is seen.
+PALM, BACK = range(2)
 
 # Fingertips and palm of an average hand, thumb right, y up, in metres.
 MODEL_TIPS = np.array([[.0945, 0], [.045, .08], [0, .0955], [-.042, .0775], [-.072, .0415]])

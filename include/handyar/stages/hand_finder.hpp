@@ -36,6 +36,7 @@ struct HandPlace {
 struct HandCandidate : HandPlace {
   Layout layout = Layout::thumb_right;
   float log_odds = 0;                                ///< of an open hand there against none
+  float palm_log_odds = 0;                           ///< of its palm in view against its back
   std::array<float, kFingerCount> tip_confidence{};  ///< 0 to 1; 0: by the others alone
 };
 
