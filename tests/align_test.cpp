@@ -128,9 +128,12 @@ TEST(StartPose, RoughTipsAreEnough) {
     const Eigen::Isometry3d truth = test::hand_at(0.45, deg(15), gauss(rng, 3), {0.05, 0.01});
     RoughTips tips;
     tips.sigma_px = 8;
-    for (int f = 0; f < kFingerCount; ++f)
-      tips.px[f] = camera.project(truth * figure.tips_m.col(f).eval()) +
-                   Eigen::Vector2d(gauss(rng, 8), gauss(rng, 8));
+    for (int f = 0; f < kFingerCount; ++f) {
+      // One after the other: compilers draw a call's arguments in different orders.
+      const double off_y_px = gauss(rng, 8), off_x_px = gauss(rng, 8);
+      tips.px[f] =
+          camera.project(truth * figure.tips_m.col(f).eval()) + Eigen::Vector2d(off_x_px, off_y_px);
+    }
     const auto error = test::pose_error(truth, start_pose(tips, figure.tips_m, camera, {}, 0.35));
     EXPECT_LT(error.head<3>().norm(), deg(60)) << "tilt is hardly seen";
     EXPECT_LT(error.tail<3>().norm(), 0.1);

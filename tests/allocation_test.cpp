@@ -11,7 +11,15 @@ std::atomic<int> allocations = 0;
 std::atomic<std::size_t> allocated_bytes = 0;  // freed or not
 }  // namespace
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(__SANITIZE_ADDRESS__)  // GCC
+#define HANDYAR_UNDER_ASAN
+#elif defined(__has_feature)  // Clang
+#if __has_feature(address_sanitizer)
+#define HANDYAR_UNDER_ASAN
+#endif
+#endif
+
+#if defined(HANDYAR_UNDER_ASAN)
 // Declared in sanitizer/allocator_interface.h, which GCC's packages leave out.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*,
                                                                            std::size_t),

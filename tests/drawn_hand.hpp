@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,11 @@ struct DrawnHand {
 using Bgr = std::array<std::uint8_t, 3>;
 inline constexpr Bgr kSkinColor = {120, 150, 205};
 inline constexpr Bgr kWallColor = {150, 140, 120};
+
+/// Rows of a picture, all of them unless told.
+struct Rows {
+  int first = 0, end = std::numeric_limits<int>::max();
+};
 
 /// A picture in memory, BGR, that shapes are painted on with smooth edges.
 class Picture {
@@ -55,11 +61,13 @@ class Picture {
   /// Paints where `distance` (negative inside, of pixel coordinates; about in units of
   /// 1 / `px_per_unit`) says: edges are the mean of 4x4 points.
   template <class Distance>
-  void paint(const Distance& distance, double px_per_unit, const Bgr& color = kSkinColor) {
-    for (int y = 0; y < height_; ++y)
+  void paint(const Distance& distance, double px_per_unit, const Bgr& color = kSkinColor,
+             const Rows& rows = {}) {
+    for (int y = rows.first; y < std::min(rows.end, height_); ++y)
       for (int x = 0; x < width_; ++x) {
         const double d = distance(Eigen::Vector2d(x, y)) * px_per_unit;
-        // The pixel's points are half a pixel off: none is beyond the edge, nor are the next pixels.
+        // The pixel's points are half a pixel off: none is beyond the edge, nor are the next
+        // pixels.
         if (std::abs(d) > 0.9) {
           const int end =
               std::min(width_, x + 1 + static_cast<int>(std::min(0.4 * std::abs(d), 1e4)));
@@ -80,7 +88,7 @@ class Picture {
 
   /// Paints the hand where a pinhole camera without distortion sees it.
   void paint(const DrawnHand& hand, const Camera& camera, const Eigen::Isometry3d& T_camera_hand,
-             const Bgr& color = kSkinColor) {
+             const Bgr& color = kSkinColor, const Rows& rows = {}) {
     HandState state = hand.state;
     state.T_camera_hand = T_camera_hand;
     const HandView view(camera, T_camera_hand.translation());
@@ -90,7 +98,7 @@ class Picture {
           const Eigen::Vector3d ray = view.R_view_camera() * camera.unproject(px).homogeneous();
           return silhouette.distance_px((view.f_px() * ray.hnormalized()).cast<float>());
         },
-        1, color);
+        1, color, rows);
   }
 
   /// Noise of about the given standard deviation, the same for the same `seed`.

@@ -54,7 +54,7 @@ TEST(Hypotheses, TheFinderTellsPalmFromBackWhereTheOutlineDoesNot) {
 }
 
 TEST(Hypotheses, TheFinderChangesItsMindAboutTheFace) {
-  Beginning hand({}, 0, 2);
+  Beginning hand({}, 0, 1);
   ASSERT_TRUE(hand.found);
   HandCandidate back;
   back.layout = hand.film.hand.appearance.layout;

@@ -37,6 +37,15 @@ double share_of(double dt_s, const TrackerConfig& config) {
   return std::min(dt_s, kLongest_s) / config.belief.same_s;
 }
 
+/// The face of a new hand: the user tells, or the finder is sure. Then the ways to see it are ways
+/// to see that face.
+std::optional<Face> known_face(const HandCandidate& candidate, const TrackerConfig& config) {
+  if (config.user.side)
+    return side_of(Face::palm, candidate.layout) == *config.user.side ? Face::palm : Face::back;
+  if (std::abs(candidate.palm_log_odds) < config.belief.believe) return std::nullopt;
+  return candidate.palm_log_odds > 0 ? Face::palm : Face::back;
+}
+
 /// A hand that has turned over shows its other face, with the thumb on the other side: the same
 /// solid, its frame turned by half a turn about the fingers.
 void turn_over(Hypothesis& h) {
@@ -169,8 +178,9 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   aligner.forget();
   Beginning beginning{frame, camera, person, config, aligner};
   const RoughTips tips = rough_tips(candidate);
+  const std::optional<Face> known = known_face(candidate, config);
   for (const Face face : {Face::palm, Face::back}) {
-    if (config.user.side && side_of(face, candidate.layout) != *config.user.side) continue;
+    if (known && face != *known) continue;
     const HandFigure figure = make_figure(person.mean(), face, candidate.layout);
     Hypotheses rough;
     for (const auto& [tilt_rad, closing] : kStarts) {
@@ -191,7 +201,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     rough.sort_and_prune(config.belief.most);
     // From here on the picture alone tells whether there is a hand: held by a thumb that the finder
     // only thinks is there, a figure lies on four fingers as well as on five.
-    const int most = config.user.side ? kMost : kMost / 2;
+    const int most = known ? kMost : kMost / 2;
     for (Hypothesis& h : std::span(rough.items_.data(), std::min(most, rough.count_))) {
       const HandPrior prior = beginning.prior_at(h.alignment.state.T_camera_hand);
       beginning.settle(h, prior, kFinely_m, 0);
