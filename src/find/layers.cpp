@@ -88,6 +88,24 @@ HANDYAR_VECTORISED void stem_of(const float* in, Picture size, const float* weig
     }
 }
 
+HANDYAR_VECTORISED void pointwise_of(const float* in, int pixels, int inputs, int outputs,
+                                     const float* weights, const float* bias, Finish finish,
+                                     float* out) {
+  if (outputs % kSums == 0)
+    pointwise_to<kSums>(in, pixels, inputs, outputs, weights, bias, finish, out);
+  else
+    pointwise_to<kLastSums>(in, pixels, inputs, outputs, weights, bias, finish, out);
+}
+
+HANDYAR_VECTORISED void add_doubled_of(const float* half, Picture size, float* to) {
+  const int half_width = (size.width + 1) / 2;
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x, to += size.channels) {
+      const float* from = half + (y / 2 * half_width + x / 2) * size.channels;
+      for (int c = 0; c < size.channels; ++c) to[c] += from[c];
+    }
+}
+
 }  // namespace
 
 std::vector<float> unpacked(std::span<const Block> blocks, std::span<const float> scales,
@@ -105,29 +123,19 @@ std::vector<float> unpacked(std::span<const Block> blocks, std::span<const float
   return all;
 }
 
-HANDYAR_VECTORISED void pointwise(const float* in, int pixels, int inputs, int outputs,
-                                  const float* weights, const float* bias, Finish finish,
-                                  float* out) {
-  if (outputs % kSums == 0)
-    pointwise_to<kSums>(in, pixels, inputs, outputs, weights, bias, finish, out);
-  else
-    pointwise_to<kLastSums>(in, pixels, inputs, outputs, weights, bias, finish, out);
+// A function that is compiled twice is seen from outside of the shared library; these are not.
+void pointwise(const float* in, int pixels, int inputs, int outputs, const float* weights,
+               const float* bias, Finish finish, float* out) {
+  pointwise_of(in, pixels, inputs, outputs, weights, bias, finish, out);
 }
+
+void add_doubled(const float* half, Picture size, float* to) { add_doubled_of(half, size, to); }
 
 Picture stem(Workspace& in, Picture size, Reader& weights) {
   const float* own = weights.take(3 * 3 * 3 * kSums);
   const float* bias = weights.take(kSums);
   stem_of(in.colors.data(), size, own, bias, in.picture.data());
   return {(size.width + 1) / 2, (size.height + 1) / 2, kSums};
-}
-
-HANDYAR_VECTORISED void add_doubled(const float* half, Picture size, float* to) {
-  const int half_width = (size.width + 1) / 2;
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x, to += size.channels) {
-      const float* from = half + (y / 2 * half_width + x / 2) * size.channels;
-      for (int c = 0; c < size.channels; ++c) to[c] += from[c];
-    }
 }
 
 Picture separable(Workspace& in, Picture size, int outputs, int side, int stride, Reader& weights) {
