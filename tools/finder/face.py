@@ -4,9 +4,6 @@
 It sees a hand turned upright and scaled by its fingertips, thumb right. src/find runs the same layers
 in the same order; export.py writes their weights there. Log odds of the palm.
 """
-import argparse
-import time
-
 import cv2
 import numpy as np
 import torch
@@ -15,7 +12,7 @@ import torch.nn.functional as F
 
 from network import HEIGHT, WIDTH, Separable
 from samples import MODEL_TIPS, OPEN, PALM, PHOTOGRAPHED, WHOLE, Samples, thumb_right
-from train import as_input
+from train import Stream, Training, as_input, begun
 
 SIDE = 64  # pixels
 CENTRE, ACROSS = np.array([0.01, -0.01]), 0.26  # of what it sees, about an average hand, metres
@@ -125,69 +122,29 @@ class FaceSamples(Samples):
         return np.ascontiguousarray(picture), np.float32(self.hands.more['faces'][i] == PALM)
 
 
-class Stream(torch.utils.data.IterableDataset):
-    def __init__(self, folder, seed):
-        self.folder, self.seed = folder, seed
-
-    def __iter__(self):
-        cv2.setNumThreads(1)
-        samples = FaceSamples(self.folder, self.seed + 1000 * torch.utils.data.get_worker_info().id)
-        while True:
-            yield samples.sample()
-
-
 def main():
-    ap = argparse.ArgumentParser()
-    ap.add_argument('--data', required=True)
-    ap.add_argument('--out', required=True)
-    ap.add_argument('--start')
-    ap.add_argument('--minutes', type=float, default=30)
-    ap.add_argument('--rate', type=float, default=3e-3)
-    ap.add_argument('--batch', type=int, default=64)
-    ap.add_argument('--workers', type=int, default=1)
-    ap.add_argument('--threads', type=int, default=1)
-    a = ap.parse_args()
-    torch.manual_seed(1)
-    torch.set_num_threads(a.threads)
-    net, mean = FaceNetwork(), FaceNetwork().eval()
-    if a.start:
-        net.load_state_dict(torch.load(a.start))
-    mean.load_state_dict(net.state_dict())
+    a, net = begun(FaceNetwork, batch=64, minutes=30, threads=1)
     held_out = FaceSamples(a.data, 99, True)
     held = [held_out.sample() for _ in range(1500)]
-    seen, truth = torch.from_numpy(np.stack([p for p, _ in held])), torch.tensor([y for _, y in held])
-    optimiser = torch.optim.AdamW(net.parameters(), lr=a.rate, weight_decay=0.05)
-    loader = torch.utils.data.DataLoader(Stream(a.data, 1), a.batch, num_workers=a.workers, prefetch_factor=4)
-    begun, step, sum_loss = time.time(), 0, 0.0
+    pictures_held, truth = torch.from_numpy(np.stack([p for p, _ in held])), torch.tensor([y for _, y in held])
+    training, sum_loss = Training(net, a, weight_decay=0.05), 0.0
 
     def report():
         with torch.no_grad():
-            odds = torch.cat([mean(as_input(s)) for s in seen.split(250)])
+            odds = torch.cat([training.mean(as_input(s)) for s in pictures_held.split(250)])
         right = ((odds > 0) == (truth > 0.5)).float().mean()
-        print(f'{(time.time() - begun) / 60:5.1f} min {step * a.batch} samples loss {sum_loss / 300:.3f}; held out: '
+        print(f'{training.seconds() / 60:5.1f} min {training.step * a.batch} samples loss {sum_loss / 300:.3f}; held out: '
               f'{100 * right:.1f} % right, loss {F.binary_cross_entropy_with_logits(odds, truth):.3f}', flush=True)
+        training.save()
 
-    for pictures, palm in loader:
-        done = (time.time() - begun) / (60 * a.minutes)
-        if done >= 1:
-            break
-        for g in optimiser.param_groups:
-            g['lr'] = a.rate * min(1, (step + 1) / 200) * (0.5 * (1 + np.cos(np.pi * done)) + 0.003)
+    for pictures, palm in training.batches(Stream(FaceSamples, a.data, a.seed, FaceSamples.sample)):
         loss = F.binary_cross_entropy_with_logits(net(as_input(pictures)), palm + UNSURE * (1 - 2 * palm))
-        optimiser.zero_grad()
-        loss.backward()
-        optimiser.step()
-        step, sum_loss = step + 1, sum_loss + loss.item()
-        keep = min(0.998, step / (step + 50))
-        with torch.no_grad():
-            for m, n in zip(mean.state_dict().values(), net.state_dict().values()):
-                m.copy_(keep * m + (1 - keep) * n if m.is_floating_point() else n)
-        if step % 300 == 0:
+        training.learn(loss)
+        sum_loss += loss.item()
+        if training.step % 300 == 0:
             report()
             sum_loss = 0
-            torch.save(mean.state_dict(), a.out)
     report()
-    torch.save(mean.state_dict(), a.out)
 
 
 if __name__ == '__main__':

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Trains the finder: train.py --data DIR --out finder.pt [--minutes 50] [--start finder.pt]."""
 import argparse
+import copy
 import time
 
+import cv2
 import numpy as np
 import torch
 import torch.nn.functional as F
@@ -12,18 +14,80 @@ from samples import Samples
 
 
 class Stream(torch.utils.data.IterableDataset):
-    def __init__(self, folder, seed):
-        self.folder, self.seed = folder, seed
+    """What `draw` draws without end from samples of a seed of each worker's own."""
+
+    def __init__(self, kind, folder, seed, draw):
+        self.kind, self.folder, self.seed, self.draw = kind, folder, seed, draw
 
     def __iter__(self):
-        import cv2
         cv2.setNumThreads(1)
-        info = torch.utils.data.get_worker_info()
-        samples = Samples(self.folder, self.seed + 1000 * info.id)
+        samples = self.kind(self.folder, self.seed + 1000 * torch.utils.data.get_worker_info().id)
         while True:
-            picture, hands = samples.sample()
-            target, weight = samples.target(hands)
-            yield picture, target, weight
+            yield self.draw(samples)
+
+
+def picture_and_maps(samples):
+    picture, hands = samples.sample()
+    return picture, *samples.target(hands)
+
+
+class Training:
+    """Steps of a network whose learning rate falls to almost nothing by the end of the time, and the mean of its weights."""
+
+    def __init__(self, net, asked, weight_decay, most_gradient=None):
+        self.net, self.mean, self.asked, self.most_gradient = net, copy.deepcopy(net).eval(), asked, most_gradient
+        self.optimiser = torch.optim.AdamW(net.parameters(), lr=asked.rate, weight_decay=weight_decay)
+        self.begun, self.step = time.time(), 0
+
+    def seconds(self):
+        return time.time() - self.begun
+
+    def batches(self, stream):
+        """Batches of the stream until the time is over."""
+        a = self.asked
+        for batch in torch.utils.data.DataLoader(stream, a.batch, num_workers=a.workers, prefetch_factor=4):
+            done = self.seconds() / (60 * a.minutes)
+            if done >= 1:
+                break
+            for g in self.optimiser.param_groups:
+                g['lr'] = a.rate * min(1, (self.step + 1) / 200) * (0.5 * (1 + np.cos(np.pi * done)) + 0.003)
+            yield batch
+
+    def learn(self, loss):
+        self.optimiser.zero_grad()
+        loss.backward()
+        if self.most_gradient:
+            torch.nn.utils.clip_grad_norm_(self.net.parameters(), self.most_gradient)
+        self.optimiser.step()
+        self.step += 1
+        keep = min(0.998, self.step / (self.step + 50))
+        with torch.no_grad():
+            for m, n in zip(self.mean.state_dict().values(), self.net.state_dict().values()):
+                m.copy_(keep * m + (1 - keep) * n if m.is_floating_point() else n)
+
+    def save(self):
+        torch.save(self.mean.state_dict(), self.asked.out)
+
+
+def begun(net, batch, minutes, threads):
+    """The command line's wishes, and the network as they say that it begins."""
+    ap = argparse.ArgumentParser()
+    ap.add_argument('--data', required=True)
+    ap.add_argument('--out', required=True)
+    ap.add_argument('--start')
+    ap.add_argument('--minutes', type=float, default=minutes)
+    ap.add_argument('--rate', type=float, default=3e-3)
+    ap.add_argument('--batch', type=int, default=batch)
+    ap.add_argument('--workers', type=int, default=1)
+    ap.add_argument('--threads', type=int, default=threads)
+    ap.add_argument('--seed', type=int, default=1)
+    a = ap.parse_args()
+    torch.manual_seed(a.seed)
+    torch.set_num_threads(a.threads)
+    net = net()
+    if a.start:
+        net.load_state_dict(torch.load(a.start))
+    return a, net
 
 
 def as_input(pictures):
@@ -45,50 +109,20 @@ def loss_of(out, target, weight):
 
 
 def main():
-    ap = argparse.ArgumentParser()
-    ap.add_argument('--data', required=True)
-    ap.add_argument('--out', required=True)
-    ap.add_argument('--start')
-    ap.add_argument('--minutes', type=float, default=50)
-    ap.add_argument('--rate', type=float, default=3e-3)
-    ap.add_argument('--batch', type=int, default=48)
-    ap.add_argument('--workers', type=int, default=1)
-    ap.add_argument('--threads', type=int, default=2)
-    ap.add_argument('--seed', type=int, default=1)
-    a = ap.parse_args()
-    torch.manual_seed(a.seed)
-    torch.set_num_threads(a.threads)
-    net, mean = Finder().to(memory_format=torch.channels_last), Finder()
-    if a.start:
-        net.load_state_dict(torch.load(a.start))
-    mean.load_state_dict(net.state_dict())
-    optimiser = torch.optim.AdamW(net.parameters(), lr=a.rate, weight_decay=1e-4)
-    loader = torch.utils.data.DataLoader(Stream(a.data, a.seed), a.batch, num_workers=a.workers, prefetch_factor=4)
-    begun, step, seen, sums = time.time(), 0, 0, np.zeros(2)
-    for pictures, target, weight in loader:
-        done = (time.time() - begun) / (60 * a.minutes)
-        if done >= 1:
-            break
-        warm = min(1, (step + 1) / 200)
-        for g in optimiser.param_groups:
-            g['lr'] = a.rate * warm * (0.5 * (1 + np.cos(np.pi * done)) + 0.003)
+    a, net = begun(Finder, batch=48, minutes=50, threads=2)
+    training = Training(net.to(memory_format=torch.channels_last), a, weight_decay=1e-4, most_gradient=5)
+    seen, sums = 0, np.zeros(2)
+    for pictures, target, weight in training.batches(Stream(Samples, a.data, a.seed, picture_and_maps)):
         out = net(as_input(pictures).contiguous(memory_format=torch.channels_last))
         loss, parts = loss_of(out, target, weight)
-        optimiser.zero_grad()
-        loss.backward()
-        torch.nn.utils.clip_grad_norm_(net.parameters(), 5)
-        optimiser.step()
-        step, seen, sums = step + 1, seen + len(pictures), sums + parts
-        keep = min(0.998, step / (step + 50))
-        with torch.no_grad():
-            for m, n in zip(mean.state_dict().values(), net.state_dict().values()):
-                m.copy_(keep * m + (1 - keep) * n if m.is_floating_point() else n)
-        if step % 200 == 0:
-            t = time.time() - begun
+        training.learn(loss)
+        seen, sums = seen + len(pictures), sums + parts
+        if training.step % 200 == 0:
+            t = training.seconds()
             print(f'{t / 60:5.1f} min {seen} samples {seen / t:.0f}/s palms {sums[0] / 200:.3f} tips {sums[1] / 200:.3f}', flush=True)
             sums[:] = 0
-            torch.save(mean.state_dict(), a.out)
-    torch.save(mean.state_dict(), a.out)
+            training.save()
+    training.save()
 
 
 if __name__ == '__main__':
