@@ -145,6 +145,12 @@ TEST(Clips, HandIsLaidRightlyFromWhicheverFrameItIsFirstSeen) {
   }
 }
 
+/// A tracker for a clip of which neither camera nor hand is known.
+HandTracker strangers_tracker(const io::FrameSource& source) {
+  return HandTracker(Camera::from_field_of_view(source.info().width_px, source.info().height_px),
+                     average_adult_hand());
+}
+
 TEST(Clips, PalmAndBackOfAStrangersHandAreToldApart) {
   for (const auto& [clip, face] : {std::pair{"sample", Face::palm},
                                    {"select", Face::palm},
@@ -152,9 +158,7 @@ TEST(Clips, PalmAndBackOfAStrangersHandAreToldApart) {
                                    {"compare", Face::back},
                                    {"wall", Face::back}}) {
     const auto source = io::open_input(data(clip + std::string("/video.mp4")));
-    const auto& [width_px, height_px] =
-        std::pair(source->info().width_px, source->info().height_px);
-    HandTracker tracker(Camera::from_field_of_view(width_px, height_px), average_adult_hand());
+    HandTracker tracker = strangers_tracker(*source);
     int tracked = 0, right = 0;
     io::Frame frame;
     while (source->read(frame)) {
@@ -186,8 +190,7 @@ TEST(Clips, WallOfAlmostSkinColour) {
   ASSERT_EQ(annotations.size(), 8u);
 
   const auto source = io::open_input(data("wall/video.mp4"));
-  HandTracker tracker(Camera::from_field_of_view(source->info().width_px, source->info().height_px),
-                      average_adult_hand());
+  HandTracker tracker = strangers_tracker(*source);
   Score annotated, all;
   Watch watch(all);
   io::Frame frame;

@@ -18,7 +18,6 @@ struct Beginning {
   Beginning(const Config& config, double tilt_rad, float palm_log_odds = 0) {
     film.tilt_rad = tilt_rad;
     film.T_camera_hand = film.pose_at(0);
-    HandCandidate candidate;
     candidate.layout = film.hand.appearance.layout;
     candidate.palm_log_odds = palm_log_odds;
     for (int f = 0; f < kFingerCount; ++f) candidate.tips_px[f] = film.true_tip_px(f).cast<float>();
@@ -27,6 +26,7 @@ struct Beginning {
   }
 
   test::Film film;
+  HandCandidate candidate;
   Aligner aligner;
   Hypotheses ways;
   bool found = false;
@@ -56,10 +56,8 @@ TEST(Hypotheses, TheFinderTellsPalmFromBackWhereTheOutlineDoesNot) {
 TEST(Hypotheses, TheFinderChangesItsMindAboutTheFace) {
   Beginning hand({}, 0, 1);
   ASSERT_TRUE(hand.found);
-  HandCandidate back;
-  back.layout = hand.film.hand.appearance.layout;
+  HandCandidate back = hand.candidate;
   back.palm_log_odds = -6;
-  for (int f = 0; f < kFingerCount; ++f) back.tips_px[f] = hand.film.true_tip_px(f).cast<float>();
   hand.ways.expect(&back, 1, {});
   ASSERT_TRUE(
       hand.ways.follow(hand.film.picture().view(), hand.film.camera, 1.0 / 30, {}, hand.aligner));

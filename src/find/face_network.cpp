@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "find/layers.hpp"
 #include "image/pixel_reader.hpp"
 
 namespace handyar {
