@@ -59,30 +59,21 @@ class Picture {
   }
 
   /// Paints where `distance` (negative inside, of pixel coordinates; about in units of
-  /// 1 / `px_per_unit`) says: edges are the mean of 4x4 points.
+  /// 1 / `px_per_unit`) says: a pixel at the edge by as much of it as lies inside.
   template <class Distance>
   void paint(const Distance& distance, double px_per_unit, const Bgr& color = kSkinColor,
              const Rows& rows = {}) {
     for (int y = rows.first; y < std::min(rows.end, height_); ++y)
-      for (int x = 0; x < width_; ++x) {
+      for (int x = 0; x < width_;) {
         const double d = distance(Eigen::Vector2d(x, y)) * px_per_unit;
-        // The pixel's points are half a pixel off: none is beyond the edge, nor are the next
-        // pixels.
-        if (std::abs(d) > 0.9) {
-          const int end =
-              std::min(width_, x + 1 + static_cast<int>(std::min(0.4 * std::abs(d), 1e4)));
-          if (d < 0)
-            for (int i = x; i < end; ++i) std::copy_n(color.data(), 3, at(i, y));
-          x = end - 1;
-          continue;
-        }
-        int inside = 0;
-        for (int k = 0; k < 16; ++k)
-          inside +=
-              distance(Eigen::Vector2d(x + (k % 4) / 4.0 - 0.375, y + (k / 4) / 4.0 - 0.375)) < 0;
-        for (int c = 0; c < 3; ++c)
-          at(x, y)[c] =
-              static_cast<std::uint8_t>((at(x, y)[c] * (16 - inside) + color[c] * inside + 8) / 16);
+        const double inside = std::clamp(0.5 - d, 0.0, 1.0);
+        // What is far from the edge has neighbours on the same side.
+        const int end =
+            std::min(width_, x + 1 + static_cast<int>(std::min(0.4 * std::abs(d), 1e4)));
+        for (; x < end; ++x)
+          for (int c = 0; inside > 0 && c < 3; ++c)
+            at(x, y)[c] =
+                static_cast<std::uint8_t>((1 - inside) * at(x, y)[c] + inside * color[c] + 0.5);
       }
   }
 
