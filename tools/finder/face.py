@@ -107,12 +107,17 @@ class FaceSamples(Samples):
         self.paste(canvas, picture, M, 0.5)
         if kind == OPEN and r.random() < 0.75:
             self.wrinkles(canvas, self.hand_tips(M, tips), self.hands.more['faces'][i] != PALM)
-        if r.random() < 0.4:
-            canvas = self.lamp(canvas, SIDE)
+        if r.random() < 0.4:  # light that falls off across the hand
+            angle, fall = r.uniform(0, 2 * np.pi), r.uniform(0, 0.7)
+            y, x = np.mgrid[0:HEIGHT, 0:WIDTH]
+            along = ((x - WIDTH / 2) * np.cos(angle) + (y - HEIGHT / 2) * np.sin(angle)) / SIDE
+            canvas *= np.clip(1 + fall * along, 0.1, 1.8)[..., None]
+            np.clip(canvas, 0, 255, out=canvas)
         if r.random() < 0.3:  # a small hand, enlarged
             canvas = cv2.GaussianBlur(canvas, (0, 0), r.uniform(0.4, 1.5))
-        elif r.random() < 0.3:
-            canvas = self.sharpened(canvas)
+        elif r.random() < 0.3:  # sharpened, as webcams do
+            canvas += r.uniform(0.3, 2) * (canvas - cv2.GaussianBlur(canvas, (0, 0), r.uniform(0.8, 2)))
+            np.clip(canvas, 0, 255, out=canvas)
         picture = self.finish(canvas)[corner[1]:corner[1] + SIDE, corner[0]:corner[0] + SIDE]
         return np.ascontiguousarray(picture), np.float32(self.hands.more['faces'][i] == PALM)
 

@@ -151,19 +151,6 @@ class Samples:
         M[:, 2] = np.asarray(around) - L @ centre
         return M
 
-    def lamp(self, x, across):
-        """Light from one side: it falls off within so many pixels."""
-        angle, fall = self.rng.uniform(0, 2 * np.pi), self.rng.uniform(0, 0.7)
-        v, u = np.mgrid[0:HEIGHT, 0:WIDTH]
-        along = ((u - WIDTH / 2) * np.cos(angle) + (v - HEIGHT / 2) * np.sin(angle)) / across
-        x *= np.clip(1 + fall * along, 0.1, 1.8)[..., None]
-        return np.clip(x, 0, 255, out=x)
-
-    def sharpened(self, x):
-        """As webcams do."""
-        x += self.rng.uniform(0.3, 2) * (x - cv2.GaussianBlur(x, (0, 0), self.rng.uniform(0.8, 2)))
-        return np.clip(x, 0, 255, out=x)
-
     def finish(self, x):
         """What cameras do: light, blur, noise, compression."""
         r = self.rng
@@ -206,10 +193,6 @@ class Samples:
             for _ in range(2 if r.random() < 0.08 else 1):
                 # Of photographs there are few: they are taken more often than their number says.
                 hands += self.add(canvas, PHOTOGRAPHED if r.random() < 0.25 else OPEN, 19, 105)
-        if r.random() < 0.2:
-            canvas = self.lamp(canvas, WIDTH)
-        if r.random() < 0.15:
-            canvas = self.sharpened(canvas)
         return self.finish(canvas), hands
 
     def add(self, canvas, kind, least, most):
