@@ -17,6 +17,7 @@ namespace handyar {
 /// One way to see the hand: palm or back, and one of the two planar solutions.
 struct Hypothesis {
   Appearance appearance;
+  HandPrior prior;  ///< with which it was aligned
   Alignment alignment;
   Person person;          ///< as it sees them
   double log_weight = 0;  ///< evidence so far, nats
@@ -54,7 +55,7 @@ class Hypotheses {
   Matrix6d spread() const noexcept;
 
   /// Each takes what its own figure says of the person; `share` of it is new.
-  void learn_person(double share) noexcept;
+  void learn_person(double share, const TrackerConfig& config) noexcept;
 
  private:
   /// Thinks again of the other face or the other planar solution, one at a time: colours and figure

@@ -12,18 +12,25 @@ FigureEstimate Person::estimate() const noexcept {
   return {mean_, information_.llt().solve(Information::Identity())};
 }
 
-void Person::learn(const Alignment& alignment, double share) noexcept {
+void Person::learn(const Alignment& alignment, const HandPrior& prior, const HandPrior& rest,
+                   double share) noexcept {
+  // What the frames before foretold of the posture was foretold with this figure and is no evidence
+  // for it: in its place stands how hands are held at rest.
+  const HandMatrix H = alignment.information + rest.information - prior.information;
+  const HandVector g = rest.information * alignment.state.difference(rest.mean) -
+                       prior.information * alignment.state.difference(prior.mean);
   // The frame's own information of the figure, pose and posture marginalised out (Schur).
-  const HandMatrix& H = alignment.information;
-  const auto Hpp = H.topLeftCorner<kFigureAt, kFigureAt>();
   const Eigen::Matrix<double, kFigureAt, kFigureModes> Hpf =
       H.topRightCorner<kFigureAt, kFigureModes>();
+  const Eigen::Matrix<double, kFigureAt, kFigureModes> fixed =
+      H.topLeftCorner<kFigureAt, kFigureAt>().llt().solve(Hpf);
   const Information posterior =
-      H.bottomRightCorner<kFigureModes, kFigureModes>() - Hpf.transpose() * Hpp.llt().solve(Hpf);
+      H.bottomRightCorner<kFigureModes, kFigureModes>() - Hpf.transpose() * fixed;
+  const FigureCoefficients pull = g.tail<kFigureModes>() - fixed.transpose() * g.head<kFigureAt>();
   // The aligned figure is the mean of prior and frame: so much of the way is the frame's.
   const Information learned = information_ + share * (posterior - information_);
   const FigureCoefficients step =
-      learned.llt().solve(share * posterior * (alignment.state.figure - mean_));
+      learned.llt().solve(share * (posterior * (alignment.state.figure - mean_) + pull));
   if (!step.allFinite() || !learned.allFinite()) return;
   mean_ += step;
   information_ = 0.5 * (learned + learned.transpose());

@@ -38,7 +38,7 @@ struct LearningConfig {
   double colors_s = 0.15;  ///< colours on both sides of the outline fade this fast
   /// Of the time that a hand has been seen, a second at least: counts as one independent view of
   /// its figure. Views come back, and the figure's errors with them.
-  double view_share = 0.1;
+  double view_share = 0.2;
   double texture_s = 1.0;  ///< the look of the palm's skin fades this fast
 };
 

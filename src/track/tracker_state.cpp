@@ -266,7 +266,7 @@ void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
         stands_for_s / (config.learning.view_share * std::max(kFirst_s, seen.learned_s));
     aligner.learn_texture(frame, camera, best.appearance, best.alignment,
                           std::min(dt_s / config.learning.texture_s, 1.0), views);
-    seen.hypotheses.learn_person(views);
+    seen.hypotheses.learn_person(views, config);
     seen.person = best.person;
   }
   learned_hand = hand_of_figure(seen.person.estimate(), best.appearance.layout);
