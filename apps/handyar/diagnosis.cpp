@@ -63,7 +63,8 @@ std::string Diagnosis::missing(const std::string& hand_file) const {
   if (seen && !hand_file.empty())
     return "a hand was seen that does not fit " + hand_file + "; without --hand any hand will do";
   if (seen) return "a hand was seen, but not for long: spread the fingers and hold it still";
-  if (mostly(filled_)) return "the hand fills the picture, it is too near";
+  if (mostly(filled_))
+    return "nearly all is of skin's colour: the hand is too near, or the room is coloured like it";
   if (mostly(skin_)) return "skin was seen, but not five fingers: spread them";
   return "nothing of skin's colour was seen: show an open hand";
 }

@@ -84,7 +84,7 @@ std::optional<std::array<Tip, kFingerCount>> hold_and_track(const cv::Mat& still
                          PixelFormat::bgr};
     const TrackResult r = tracker.process(view, i / kFramesPerSecond);
     if (r.state != State::acquiring && r.state != State::tracking) continue;
-    if (std::all_of(r.tips.begin(), r.tips.end(), [](const Tip& t) { return t.seen; }))
+    if (std::all_of(r.tips.begin(), r.tips.end(), [](const Tip& t) { return t.known(); }))
       found = r.tips;
   }
   return found;
