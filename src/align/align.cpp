@@ -204,6 +204,7 @@ Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearanc
                          double left_m) noexcept {
   Alignment a;
   a.state = start;
+  a.prior = prior;
   const std::size_t first = first_iteration(reach_m);
   for (std::size_t i = first; i < kSegments.size(); ++i) {
     if (i > first && line_reach_m(i) < left_m) break;

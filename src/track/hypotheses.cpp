@@ -153,7 +153,6 @@ struct Beginning {
 
   void align(Hypothesis& h, const HandPrior& prior, double reach_m, double left_m) noexcept {
     const HandState from = h.alignment.state;
-    h.prior = prior;
     h.alignment = aligner.align(frame, camera, h.appearance, from, prior, reach_m, left_m);
     h.log_weight = share_of(kLongest_s, config) * h.alignment.log_posterior;
   }
@@ -248,7 +247,7 @@ Matrix6d Hypotheses::spread() const noexcept {
 
 void Hypotheses::learn_person(double share, const TrackerConfig& config) noexcept {
   for (Hypothesis& h : std::span(items_.data(), count_))
-    h.person.learn(h.alignment, h.prior, prior_around(h.prior.mean, h.person, kLongAgo_s, config),
+    h.person.learn(h.alignment, prior_around(h.alignment.prior.mean, h.person, kLongAgo_s, config),
                    share);
 }
 
@@ -260,11 +259,11 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     const HandState before = h.alignment.state;
     HandState expected = before;
     expected.T_camera_hand = before.pose_after(dt_s);
-    h.prior = prior_around(expected, h.person, dt_s, config);
-    h.prior.tips = tips_;
-    h.alignment = aligner.align(frame, camera, h.appearance, expected, h.prior, kNear_m);
+    HandPrior prior = prior_around(expected, h.person, dt_s, config);
+    prior.tips = tips_;
+    h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kNear_m);
     if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen)
-      h.alignment = aligner.align(frame, camera, h.appearance, expected, h.prior, kFar_m);
+      h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kFar_m);
     if (!h.alignment.valid) continue;
     HandState& now = h.alignment.state;
     now.velocity = before.difference(now).head<6>() / dt_s;
@@ -302,9 +301,9 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera,
   Hypothesis alternative;
   alternative.appearance = appearance;
   alternative.person = now.person;
-  alternative.prior = prior_around(start, now.person, kLongAgo_s, config);
   alternative.alignment =
-      aligner.align(frame, camera, appearance, start, alternative.prior, kFar_m);
+      aligner.align(frame, camera, appearance, start,
+                    prior_around(start, now.person, kLongAgo_s, config), kFar_m);
   alternative.log_weight = now.log_weight - config.belief.most_frame;
   keep_distinct(alternative);
 }

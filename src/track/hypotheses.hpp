@@ -17,7 +17,6 @@ namespace handyar {
 /// One way to see the hand: palm or back, and one of the two planar solutions.
 struct Hypothesis {
   Appearance appearance;
-  HandPrior prior;  ///< with which it was aligned
   Alignment alignment;
   Person person;          ///< as it sees them
   double log_weight = 0;  ///< evidence so far, nats

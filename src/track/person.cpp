@@ -12,10 +12,10 @@ FigureEstimate Person::estimate() const noexcept {
   return {mean_, information_.llt().solve(Information::Identity())};
 }
 
-void Person::learn(const Alignment& alignment, const HandPrior& prior, const HandPrior& rest,
-                   double share) noexcept {
+void Person::learn(const Alignment& alignment, const HandPrior& rest, double share) noexcept {
   // What the frames before foretold of the posture was foretold with this figure and is no evidence
   // for it: in its place stands how hands are held at rest.
+  const HandPrior& prior = alignment.prior;
   const HandMatrix H = alignment.information + rest.information - prior.information;
   const HandVector g = rest.information * alignment.state.difference(rest.mean) -
                        prior.information * alignment.state.difference(prior.mean);

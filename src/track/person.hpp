@@ -22,11 +22,9 @@ class Person {
 
   FigureEstimate estimate() const noexcept;
 
-  /// Takes what a frame that was aligned with `prior` says of the figure, whatever its pose, and
-  /// its posture but for how hands are held at `rest`, `share` of it: neighbouring frames say the
-  /// same.
-  void learn(const Alignment& alignment, const HandPrior& prior, const HandPrior& rest,
-             double share) noexcept;
+  /// Takes what an aligned frame says of the figure, whatever its pose and its posture but for how
+  /// hands are held at `rest`, `share` of it: neighbouring frames say the same.
+  void learn(const Alignment& alignment, const HandPrior& rest, double share) noexcept;
 
  private:
   FigureCoefficients mean_ = FigureCoefficients::Zero();

@@ -76,6 +76,7 @@ struct AlignConfig {
 struct Alignment {
   bool valid = false;  ///< false: no such hand can be seen, the rest is meaningless
   HandState state;
+  HandPrior prior;                              ///< with which it was laid
   HandMatrix information = HandMatrix::Zero();  ///< inverse covariance of the state, prior included
   /// Log likelihood ratio of a hand there against none, of this frame alone, nats.
   double log_ratio = 0;
