@@ -46,7 +46,8 @@ def posture(params, kind, r):
     for f in '2345':
         root, middle, end = together + r.normal(0, 4), abs(r.normal(0, 8)), abs(r.normal(0, 4))
         el[f] = [root, root + middle, root + middle + end]
-        az[f] = [v + r.normal(0, 2.5) for v in az[f]]
+        apart = r.normal(0, 6 if f == '5' else 2)  # little fingers stand off more than others do
+        az[f] = [v + apart + r.normal(0, 2.5) for v in az[f]]
     el['1'] = [v + r.normal(6, 9) for v in (10, 4, 2)]
     if way == 'relaxed':
         bent = r.uniform(0, 24)

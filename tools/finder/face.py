@@ -12,7 +12,7 @@ import torch.nn.functional as F
 
 from network import HEIGHT, WIDTH, Separable
 from samples import MODEL_TIPS, OPEN, PALM, PHOTOGRAPHED, WHOLE, Samples, thumb_right
-from train import Stream, Training, as_input, begun
+from train import DEVICE, Stream, Training, as_input, begun
 
 SIDE = 64  # pixels
 CENTRE, ACROSS = np.array([0.01, -0.01]), 0.26  # of what it sees, about an average hand, metres
@@ -107,17 +107,12 @@ class FaceSamples(Samples):
         self.paste(canvas, picture, M, 0.5)
         if kind == OPEN and r.random() < 0.75:
             self.wrinkles(canvas, self.hand_tips(M, tips), self.hands.more['faces'][i] != PALM)
-        if r.random() < 0.4:  # light that falls off across the hand
-            angle, fall = r.uniform(0, 2 * np.pi), r.uniform(0, 0.7)
-            y, x = np.mgrid[0:HEIGHT, 0:WIDTH]
-            along = ((x - WIDTH / 2) * np.cos(angle) + (y - HEIGHT / 2) * np.sin(angle)) / SIDE
-            canvas *= np.clip(1 + fall * along, 0.1, 1.8)[..., None]
-            np.clip(canvas, 0, 255, out=canvas)
+        if r.random() < 0.4:
+            self.lamp(canvas, SIDE)
         if r.random() < 0.3:  # a small hand, enlarged
             canvas = cv2.GaussianBlur(canvas, (0, 0), r.uniform(0.4, 1.5))
-        elif r.random() < 0.3:  # sharpened, as webcams do
-            canvas += r.uniform(0.3, 2) * (canvas - cv2.GaussianBlur(canvas, (0, 0), r.uniform(0.8, 2)))
-            np.clip(canvas, 0, 255, out=canvas)
+        elif r.random() < 0.3:
+            self.sharpen(canvas)
         picture = self.finish(canvas)[corner[1]:corner[1] + SIDE, corner[0]:corner[0] + SIDE]
         return np.ascontiguousarray(picture), np.float32(self.hands.more['faces'][i] == PALM)
 
@@ -126,7 +121,7 @@ def main():
     a, net = begun(FaceNetwork, batch=64, minutes=30, threads=1)
     held_out = FaceSamples(a.data, 99, True)
     held = [held_out.sample() for _ in range(1500)]
-    pictures_held, truth = torch.from_numpy(np.stack([p for p, _ in held])), torch.tensor([y for _, y in held])
+    pictures_held, truth = torch.from_numpy(np.stack([p for p, _ in held])).to(DEVICE), torch.tensor([y for _, y in held]).to(DEVICE)
     training, sum_loss = Training(net, a, weight_decay=0.05), 0.0
 
     def report():

@@ -138,25 +138,45 @@ class Samples:
         there = canvas[y0:y1, x0:x1]
         there += (bgr - there) * alpha[..., None]
 
-    def placing(self, centre, size, around, least, most, level=False):
-        """Turned by any angle (or about level), a little sheared, of a size drawn evenly in its logarithm."""
+    def placing(self, centre, size, around, least, most, level=False, flat=False):
+        """Turned by any angle (or about level), a little sheared, of a size drawn evenly in its logarithm.
+
+        What is flat is tilted, too.
+        """
         r = self.rng
         s = np.exp(r.uniform(np.log(least), np.log(most))) / size
         a = np.deg2rad(r.normal(0, 5) if level else r.normal(0, 25) if r.random() < 0.7 else r.uniform(-180, 180))
         flip = -1 if r.random() < 0.5 else 1
         shear = np.array([[np.exp(r.normal(0, 0.08)), r.normal(0, 0.08)], [0, 1]])
+        if flat:
+            b, squash = r.uniform(0, np.pi), r.uniform(0.65, 1)
+            away = np.array([np.cos(b), np.sin(b)])
+            shear = shear + (squash - 1) * np.outer(away, away)
         L = s * np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]) @ shear @ np.diag([flip, 1])
         M = np.zeros((2, 3))
         M[:, :2] = L
         M[:, 2] = np.asarray(around) - L @ centre
         return M
 
+    def lamp(self, canvas, across):
+        """Light that falls off from one side to the other, within so many pixels about the middle."""
+        angle, fall = self.rng.uniform(0, 2 * np.pi), self.rng.uniform(0, 0.7)
+        y, x = np.ogrid[0:HEIGHT, 0:WIDTH]
+        along = ((x - WIDTH / 2) * np.cos(angle) + (y - HEIGHT / 2) * np.sin(angle)) / across
+        canvas *= np.clip(1 + fall * along, 0.1, 1.8)[..., None]
+        np.clip(canvas, 0, 255, out=canvas)
+
+    def sharpen(self, canvas):
+        """As webcams do."""
+        canvas += self.rng.uniform(0.3, 2) * (canvas - cv2.GaussianBlur(canvas, (0, 0), self.rng.uniform(0.8, 2)))
+        np.clip(canvas, 0, 255, out=canvas)
+
     def finish(self, x):
         """What cameras do: light, blur, noise, compression."""
         r = self.rng
         if r.random() < 0.2:
             x = cv2.GaussianBlur(x, (0, 0), r.uniform(0.4, 1.3))
-        if r.random() < 0.08:
+        if r.random() < 0.12:
             k = np.zeros((9, 9), np.float32)
             a, l = r.uniform(0, np.pi), r.uniform(1.5, 4)
             cv2.line(k, tuple(int(round(4 - l * v)) for v in (np.cos(a), np.sin(a))), tuple(int(round(4 + l * v)) for v in (np.cos(a), np.sin(a))), 1)
@@ -193,6 +213,10 @@ class Samples:
             for _ in range(2 if r.random() < 0.08 else 1):
                 # Of photographs there are few: they are taken more often than their number says.
                 hands += self.add(canvas, PHOTOGRAPHED if r.random() < 0.25 else OPEN, 19, 105)
+        if r.random() < 0.25:
+            self.lamp(canvas, r.uniform(60, 160))
+        if r.random() < 0.15:
+            self.sharpen(canvas)
         return self.finish(canvas), hands
 
     def add(self, canvas, kind, least, most):
@@ -201,11 +225,11 @@ class Samples:
         palm = palm_of(tips)
         size = np.linalg.norm(tips - palm, axis=1).max() * 1.4  # about the span, whatever the tilt
         around = (r.uniform(10, WIDTH - 10), r.uniform(8, HEIGHT - 8))
-        M = self.placing(0.5 * (palm + tips.mean(0)), size, around, least, most)
+        M = self.placing(0.5 * (palm + tips.mean(0)), size, around, least, most, flat=kind in (PHOTOGRAPHED, WHOLE) and r.random() < 0.6)
         if kind != WHOLE and r.random() < 0.25:  # a dark hand before a window, a hand lit in a dark room
             canvas *= r.uniform(1.2, 2.0) if r.random() < 0.5 else r.uniform(0.1, 0.7)
             np.clip(canvas, 0, 255, out=canvas)
-        self.paste(canvas, picture, M, 0.33)
+        self.paste(canvas, picture, M, 0.4)
         return [self.hand_tips(M, tips)]
 
     def target(self, hands):

@@ -12,6 +12,8 @@ import torch.nn.functional as F
 from network import PALMS, TIPS, Finder
 from samples import Samples
 
+DEVICE = 'cuda' if torch.cuda.is_available() else 'cpu'
+
 
 class Stream(torch.utils.data.IterableDataset):
     """What `draw` draws without end from samples of a seed of each worker's own."""
@@ -35,7 +37,7 @@ class Training:
     """Steps of a network whose learning rate falls to almost nothing by the end of the time, and the mean of its weights."""
 
     def __init__(self, net, asked, weight_decay, most_gradient=None):
-        self.net, self.mean, self.asked, self.most_gradient = net, copy.deepcopy(net).eval(), asked, most_gradient
+        self.net, self.mean, self.asked, self.most_gradient = net.to(DEVICE), copy.deepcopy(net).eval(), asked, most_gradient
         self.optimiser = torch.optim.AdamW(net.parameters(), lr=asked.rate, weight_decay=weight_decay)
         self.begun, self.step = time.time(), 0
 
@@ -51,7 +53,7 @@ class Training:
                 break
             for g in self.optimiser.param_groups:
                 g['lr'] = a.rate * min(1, (self.step + 1) / 200) * (0.5 * (1 + np.cos(np.pi * done)) + 0.003)
-            yield batch
+            yield [b.to(DEVICE) for b in batch]
 
     def learn(self, loss):
         self.optimiser.zero_grad()
@@ -66,7 +68,7 @@ class Training:
                 m.copy_(keep * m + (1 - keep) * n if m.is_floating_point() else n)
 
     def save(self):
-        torch.save(self.mean.state_dict(), self.asked.out)
+        torch.save({name: value.cpu() for name, value in self.mean.state_dict().items()}, self.asked.out)
 
 
 def begun(net, batch, minutes, threads):
