@@ -18,7 +18,7 @@ namespace {
 using namespace handyar::evaluation;
 namespace fs = std::filesystem;
 
-constexpr const char* kExamples =
+constexpr const char* kEvaluateExamples =
     "A SEQUENCE is a video file, or a folder with video.mp4 and, where there are such, "
     "truth.json,\n"
     "camera.yml and hand.json. A FOLDER without video.mp4 is a tree of such folders and of clips "
@@ -177,7 +177,7 @@ Command add_evaluate(CLI::App& app) {
   options->add_option("--apriltag-mm", e->apriltag_mm, "Side of an AprilTag (36h11) in view")
       ->check(between(1, 10000));
   options->add_option("--stills", e->stills, "List of photographs with their fingertips (CSV)");
-  options->footer(kExamples);
+  options->footer(kEvaluateExamples);
   return {options, [e] { return evaluate(*e); }};
 }
 

@@ -12,7 +12,7 @@
 namespace handyar::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kInspectExamples =
     "Hold your hand near an object until it glows, stretch your fingers, and it comes over; fold\n"
     "them and it goes back.\n\n"
     "Examples:\n"
@@ -71,7 +71,7 @@ Command add_inspect(CLI::App& app) {
   options->add_option("--events", *events, "Write what happens, a line of JSON each")
       ->type_name("FILE");
   options->add_flag("--show", run->show, "Show it in a window; q or Esc ends");
-  options->footer(kExamples);
+  options->footer(kInspectExamples);
   return {options, [run, scene, events] { return inspect(*run, *scene, *events); }};
 }
 

@@ -14,7 +14,7 @@
 namespace handyar::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kTrackExamples =
     "INPUT is a video file, a picture, a numbered series of pictures (frames/%04d.png), a camera\n"
     "(0, /dev/video0, or its name) or sample, the shipped clip.\n\n"
     "Examples:\n"
@@ -157,7 +157,7 @@ Command add_track(CLI::App& app) {
   options->add_flag("--no-filter", choices->no_filter, "Give the raw pose as the filtered one");
   options->add_flag("--no-timings", choices->no_timings,
                     "Leave the milliseconds out: the same input then gives the same file");
-  options->footer(kExamples);
+  options->footer(kTrackExamples);
   return {options, [run, choices] {
             run->method = kMethods.at(choices->method);
             run->paper_config.half_resolution = choices->processing == "half";

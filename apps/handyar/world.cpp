@@ -19,7 +19,7 @@
 namespace handyar::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kWorldExamples =
     "Lay your open hand on the table for half a second: the world is set up there, and an object\n"
     "stands where the hand was. Hold the hand at it for half a second and it comes along; lay the\n"
     "hand down or take it away, and it stays. In the window, o adds another object.\n\n"
@@ -288,7 +288,7 @@ Command add_world(CLI::App& app) {
   options->add_option("--events", choices->events, "Write what happens, a line of JSON each")
       ->type_name("FILE");
   options->add_flag("--show", run->show, "Show it in a window; ? there tells the keys, q ends");
-  options->footer(kExamples);
+  options->footer(kWorldExamples);
   return {options, [run, choices] { return world_of(*run, *choices); }};
 }
 

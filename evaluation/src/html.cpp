@@ -31,16 +31,16 @@ std::string table(const Table& t, int csv_line) {
   const auto small = [](const std::string& unit) {
     return unit.empty() ? "" : " <small>" + escape(unit) + "</small>";
   };
-  const Layout layout = lay_out(t);
+  const TableLayout layout = lay_out(t);
   std::string h = "<figure class=\"table\"><figcaption><b>" + escape(t.title) + "</b> " +
                   escape(t.caption) +
                   "</figcaption><div class=\"wide\"><table><thead><tr><th></th>";
-  for (const Layout::Column& c : layout.columns)
+  for (const TableLayout::Column& c : layout.columns)
     h += "<th>" + escape(c.title) + small(c.unit) + "</th>";
   h += "</tr></thead><tbody>\n";
-  for (const Layout::Row& row : layout.rows) {
+  for (const TableLayout::Row& row : layout.rows) {
     h += "<tr><th>" + escape(row.title) + "</th>";
-    for (const Layout::Cell& cell : row.cells)
+    for (const TableLayout::Cell& cell : row.cells)
       h += cell.text.empty()
                ? "<td></td>"
                : "<td title=\"tables.csv, line " + std::to_string(csv_line + cell.figure) + "\">" +

@@ -44,15 +44,15 @@ std::optional<std::string> shared_unit(const Table& t, const std::string& column
 }
 
 std::string markdown(const Table& t) {
-  const Layout layout = lay_out(t);
+  const TableLayout layout = lay_out(t);
   std::string head = "| |", rule = "| --- |", body;
-  for (const Layout::Column& c : layout.columns) {
+  for (const TableLayout::Column& c : layout.columns) {
     head += " " + c.title + (c.unit.empty() ? "" : " (" + c.unit + ")") + " |";
     rule += " ---: |";
   }
-  for (const Layout::Row& row : layout.rows) {
+  for (const TableLayout::Row& row : layout.rows) {
     body += "| " + row.title + " |";
-    for (const Layout::Cell& cell : row.cells)
+    for (const TableLayout::Cell& cell : row.cells)
       body += " " + cell.text + (cell.unit.empty() ? "" : " " + cell.unit) + " |";
     body += "\n";
   }
@@ -62,15 +62,15 @@ std::string markdown(const Table& t) {
 
 }  // namespace
 
-Layout lay_out(const Table& t) {
-  Layout layout;
+TableLayout lay_out(const Table& t) {
+  TableLayout layout;
   for (const std::string& column : mentions(t, &Figure::column))
     layout.columns.push_back({column, shared_unit(t, column).value_or("")});
   for (const std::string& row : mentions(t, &Figure::row)) {
-    Layout::Row& r = layout.rows.emplace_back();
+    TableLayout::Row& r = layout.rows.emplace_back();
     r.title = row;
-    for (const Layout::Column& column : layout.columns) {
-      Layout::Cell& cell = r.cells.emplace_back();
+    for (const TableLayout::Column& column : layout.columns) {
+      TableLayout::Cell& cell = r.cells.emplace_back();
       const auto f = std::find_if(t.figures.begin(), t.figures.end(), [&](const Figure& figure) {
         return figure.row == row && figure.column == column.title;
       });

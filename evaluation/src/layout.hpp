@@ -10,7 +10,7 @@ namespace handyar::evaluation {
 
 /// A table as a person reads it: its figures in rows and columns, each with as many digits as mean
 /// something, units in the head of a column where all of it shares one.
-struct Layout {
+struct TableLayout {
   struct Cell {
     std::string text;  ///< empty: no such figure
     std::string unit;  ///< where the column's figures have different ones
@@ -27,7 +27,7 @@ struct Layout {
   std::vector<Row> rows;
 };
 
-Layout lay_out(const Table& table);
+TableLayout lay_out(const Table& table);
 
 /// Writes the tables as Markdown, those without figures left out. Throws io::Error.
 void write_tables_markdown(const std::string& file, const std::vector<Table>& tables);

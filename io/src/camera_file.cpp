@@ -65,9 +65,9 @@ std::string line_and_fault(const cv::Exception& e, int lines_before) {
 }
 
 // A camera file being read: each getter checks what it gives.
-class Reader {
+class YamlReader {
  public:
-  Reader(std::string_view text, std::string_view name) : name_(name) {
+  YamlReader(std::string_view text, std::string_view name) : name_(name) {
     silence_libraries();
     if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
     std::string yaml(text);
@@ -146,7 +146,7 @@ class Reader {
   cv::FileStorage storage_;
 };
 
-void read_intrinsics(const Reader& file, Camera& camera) {
+void read_intrinsics(const YamlReader& file, Camera& camera) {
   int rows = 0, cols = 0;
   const std::vector<double> K = file.matrix("camera_matrix", rows, cols);
   if (rows != 3 || cols != 3) file.fail("camera_matrix is not 3x3");
@@ -171,7 +171,7 @@ void read_intrinsics(const Reader& file, Camera& camera) {
   }
 }
 
-void read_distortion(const Reader& file, Camera& camera) {
+void read_distortion(const YamlReader& file, Camera& camera) {
   const std::string model = file.text("distortion_model");
   if (!model.empty() && model != "plumb_bob" && model != "rational_polynomial") {
     file.fail("distortion_model " + model + " is not supported, only plumb_bob");
@@ -196,7 +196,7 @@ void read_distortion(const Reader& file, Camera& camera) {
 
 // Outwards from the centre a lens shows one direction after the other, in the same turn:
 // coefficients that fold the picture are a slip. Its corners may fold, no calibration looks there.
-void require_unfolded(const Reader& file, const Camera& camera) {
+void require_unfolded(const YamlReader& file, const Camera& camera) {
   constexpr double kWithin = 0.75, kStep = 0.02, kFarthest = 12;  // tan of 85 degrees
   constexpr int kDirections = 24;
   const auto within = [&](const Eigen::Vector2d& px) {
@@ -230,7 +230,7 @@ void append(std::string& text, double value) {
 
 Camera parse_camera(std::string_view text, std::string_view name) {
   try {
-    const Reader file(text, name);
+    const YamlReader file(text, name);
     Camera camera;
     camera.width_px = file.size("image_width");
     camera.height_px = file.size("image_height");

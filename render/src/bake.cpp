@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr int kCells = 40;  // of the longest side, which is 1
-constexpr float kCell = 1.0f / kCells;
+constexpr float kVoxel = 1.0f / kCells;
 const Vector3f kLow(-0.5f, -0.5f, 0.0f);  // a standing model fits the unit cube above the ground
 
 class Occupancy {
@@ -21,7 +21,7 @@ class Occupancy {
         const Vector3f& a = mesh.vertices[mesh.indices[i]].position;
         const Vector3f u = mesh.vertices[mesh.indices[i + 1]].position - a;
         const Vector3f v = mesh.vertices[mesh.indices[i + 2]].position - a;
-        const int steps = 1 + static_cast<int>(2 * std::max(u.norm(), v.norm()) / kCell);
+        const int steps = 1 + static_cast<int>(2 * std::max(u.norm(), v.norm()) / kVoxel);
         for (int s = 0; s <= steps; ++s)
           for (int t = 0; t <= steps - s; ++t)
             fill(a + (u * float(s) + v * float(t)) / float(steps));
@@ -35,7 +35,7 @@ class Occupancy {
 
  private:
   static int index(const Vector3f& p) {
-    const Eigen::Array3i c = ((p - kLow).array() / kCell).floor().cast<int>();
+    const Eigen::Array3i c = ((p - kLow).array() / kVoxel).floor().cast<int>();
     if ((c < 0).any() || (c >= kCells).any()) return -1;
     return (c.z() * kCells + c.y()) * kCells + c.x();
   }
@@ -68,8 +68,8 @@ float openness(const Vertex& v, const Occupancy& filled, const std::vector<Vecto
     all += cosine;
     float light = 1;
     // The first steps are skipped: a surface does not shade itself.
-    for (float t = 2.2f * kCell; t < kReach && light == 1; t += kCell) {
-      const Vector3f p = v.position + 1.0f * kCell * v.normal + t * ray;
+    for (float t = 2.2f * kVoxel; t < kReach && light == 1; t += kVoxel) {
+      const Vector3f p = v.position + 1.0f * kVoxel * v.normal + t * ray;
       if (p.z() < 0)
         light = kGroundLight;
       else if (filled(p))

@@ -18,7 +18,7 @@ using io::Json;
 // One line of JSON, then the keyframes' pictures (PNG) one after the other.
 constexpr int kVersion = 1;
 constexpr std::size_t kMostKeyframes = 1000, kMostPoints = 100'000, kMostBytes = 1u << 30;
-constexpr double kFarthest_m = 1e4;
+constexpr double kLargest = 1e4;
 
 class Reader {
  public:
@@ -80,7 +80,7 @@ class Reader {
   void read_ground() {
     const Json& in = list(root_.at("ground"), 4, "ground");
     Eigen::Vector4d c;
-    for (int i = 0; i < 4; ++i) c[i] = number(in[static_cast<std::size_t>(i)], kFarthest_m);
+    for (int i = 0; i < 4; ++i) c[i] = number(in[static_cast<std::size_t>(i)], kLargest);
     if (std::abs(c.head<3>().norm() - 1) > 1e-3) fail("\"ground\" has no normal of length 1");
     map_.ground.coeffs() = c;
     map_.ground.normalize();
@@ -91,8 +91,8 @@ class Reader {
       list(in, 4, "a point");
       MapPoint point;
       for (int i = 0; i < 3; ++i)
-        point.p_world_m[i] = number(in[static_cast<std::size_t>(i)], kFarthest_m);
-      point.plane_sigma_m = number(in[3], kFarthest_m);
+        point.p_world_m[i] = number(in[static_cast<std::size_t>(i)], kLargest);
+      point.plane_sigma_m = number(in[3], kLargest);
       if (point.plane_sigma_m < 0) fail("a point's plane_sigma_m is negative");
       map_.points.push_back(point);
     }
@@ -108,7 +108,7 @@ class Reader {
   Eigen::Isometry3d pose(const Json& in) const {
     list(in, 7, "a pose");
     double q[7];
-    for (std::size_t i = 0; i < 7; ++i) q[i] = number(in[i], kFarthest_m);
+    for (std::size_t i = 0; i < 7; ++i) q[i] = number(in[i], kLargest);
     const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
     if (std::abs(turn.norm() - 1) > 1e-3) fail("a pose's quaternion has not length 1");
     Eigen::Isometry3d T(turn.normalized());
