@@ -23,9 +23,8 @@ class PolygonFiller {
       top = std::min(top, corners[i].y());
       bottom = std::max(bottom, corners[i].y());
     }
-    const int first = std::max(0, static_cast<int>(std::ceil(top))),
-              last = std::min(height_ - 1, static_cast<int>(std::floor(bottom)));
-    for (int y = first; y <= last; ++y) fill_row(corners, count, y);
+    for (int y = first_from(top, height_); y <= last_to(bottom, height_); ++y)
+      fill_row(corners, count, y);
   }
 
  private:
@@ -38,9 +37,17 @@ class PolygonFiller {
       left = std::min(left, x);
       right = std::max(right, x);
     }
-    const int from = std::max(0, static_cast<int>(std::ceil(left))),
-              to = std::min(width_ - 1, static_cast<int>(std::floor(right)));
+    // Where it only touches the row nothing crosses it.
+    const int from = first_from(left, width_), to = last_to(right, width_);
     if (from <= to) std::fill(pixels_ + y * width_ + from, pixels_ + y * width_ + to + 1, 255);
+  }
+
+  /// The first and the last pixel of `count` that lie between; none where it ends before it begins.
+  static int first_from(float from, int count) {
+    return static_cast<int>(std::ceil(std::clamp(from, 0.0f, static_cast<float>(count))));
+  }
+  static int last_to(float to, int count) {
+    return static_cast<int>(std::floor(std::clamp(to, -1.0f, static_cast<float>(count - 1))));
   }
 
   std::uint8_t* pixels_;
