@@ -141,7 +141,7 @@ class Samples:
     def placing(self, centre, size, around, least, most, level=False, flat=False):
         """Turned by any angle (or about level), a little sheared, of a size drawn evenly in its logarithm.
 
-        What is flat is tilted, too.
+        What is flat cannot be turned in space: it is squashed as if it were tilted.
         """
         r = self.rng
         s = np.exp(r.uniform(np.log(least), np.log(most))) / size
