@@ -23,8 +23,8 @@ class PolygonFiller {
       top = std::min(top, corners[i].y());
       bottom = std::max(bottom, corners[i].y());
     }
-    for (int y = first_from(top, height_); y <= last_to(bottom, height_); ++y)
-      fill_row(corners, count, y);
+    const int last = last_to(bottom, height_);
+    for (int y = first_from(top, height_); y <= last; ++y) fill_row(corners, count, y);
   }
 
  private:

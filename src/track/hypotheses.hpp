@@ -2,13 +2,13 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <optional>
 
 #include "handyar/camera.hpp"
 #include "handyar/image_view.hpp"
 #include "handyar/stages/align.hpp"
 #include "handyar/stages/hand_finder.hpp"
+#include "track/hand_prior.hpp"
 #include "track/person.hpp"
 #include "track/tracker_config.hpp"
 
@@ -85,12 +85,5 @@ RoughTips rough_tips(const HandCandidate& candidate) noexcept;
 
 /// No frame stands for longer than this.
 constexpr double kLongest_s = 0.1;
-
-constexpr double kLongAgo_s = std::numeric_limits<double>::infinity();
-
-/// The prior of a frame around an expected state whose fingers were seen `dt_s` ago: they go back
-/// to rest in time, and are the less sure the longer ago it was (an Ornstein-Uhlenbeck process).
-HandPrior prior_around(const HandState& expected, const Person& person, double dt_s,
-                       const TrackerConfig& config) noexcept;
 
 }  // namespace handyar

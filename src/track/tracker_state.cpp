@@ -153,7 +153,8 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
   const BeliefConfig& limits = config.belief;
   const bool had = has_hand();
   const bool folded = seen.gestures.gesture() != Gesture::open;
-  const bool sure = folded || (holds_hand() && seen.state == State::tracking);
+  const bool sure =
+      folded || (holds_hand() && seen.state == State::tracking && !seen.read_otherwise);
   const double since_s = seen.time_s - seen.looked_s;
   if ((sure && since_s < limits.same_s) || (!had && !may_search())) return;
   seen.looked_s = seen.time_s;
@@ -163,6 +164,7 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
     seen.belief += share * std::clamp(verdict(), -limits.most_frame, limits.most_frame);
     seen.hypotheses.expect(seen_again(), share, limits);
   }
+  seen.read_otherwise = false;
   begin(frame);
 }
 
@@ -186,8 +188,12 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     const bool better = reading == Reading::otherwise
                             ? best.log_ratio > followed_ratio
                             : candidate.log_odds + evidence_of(best, config.belief) > belief;
-    if (!better) continue;
+    if (!better) {
+      seen.read_otherwise |= reading == Reading::otherwise && candidate.log_odds > 0;
+      continue;
+    }
     seen.hypotheses = fresh;
+    seen.read_otherwise = false;
     std::swap(aligner, scout);
     seen.filter.reset();
     seen.own_layout = candidate.layout;

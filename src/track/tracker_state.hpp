@@ -26,6 +26,8 @@ struct TrackerState {
   double tracked_s = -std::numeric_limits<double>::infinity();
   /// When the hand that was tracked was last read otherwise, or another one taken for it.
   double changed_s = -std::numeric_limits<double>::infinity();
+  /// The finder's last look read the hand that is followed otherwise, and the picture not.
+  bool read_otherwise = false;
   Hypotheses hypotheses;
   Gestures gestures;
   Person person;         ///< as last learned; a new hand begins with it

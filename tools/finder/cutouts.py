@@ -56,7 +56,7 @@ def posture(params, kind, r):
         el['1'] = [v + r.uniform(0, 35) for v in (10, 4, 2)]
     fold = dict.fromkeys(FINGERS, 0.0)
     if kind == 'closed':
-        four = r.random() < 0.35
+        four = r.random() < 0.5
         if four or r.random() < 0.5:  # the thumb before the palm
             w = r.uniform(0.75, 1.1)
             az['1'] = [a + (b - a) * w for a, b in zip(az['1'], FOUR_AZ)]

@@ -12,7 +12,7 @@ import torch.nn.functional as F
 
 from network import HEIGHT, WIDTH, Separable
 from samples import MODEL_TIPS, OPEN, PALM, PHOTOGRAPHED, WHOLE, Samples, thumb_right
-from train import DEVICE, Stream, Training, as_input, begun
+from train import DEVICE, Stream, Training, as_input, begun, outputs
 
 SIDE = 64  # pixels
 CENTRE, ACROSS = np.array([0.01, -0.01]), 0.26  # of what it sees, about an average hand, metres
@@ -118,7 +118,7 @@ class FaceSamples(Samples):
 
 
 def main():
-    a, net = begun(FaceNetwork, batch=64, minutes=30, threads=1)
+    a, net = begun(FaceNetwork, batch=64, minutes=30)
     held_out = FaceSamples(a.data, 99, True)
     held = [held_out.sample() for _ in range(1500)]
     pictures_held, truth = torch.from_numpy(np.stack([p for p, _ in held])).to(DEVICE), torch.tensor([y for _, y in held]).to(DEVICE)
@@ -133,7 +133,7 @@ def main():
         training.save()
 
     for pictures, palm in training.batches(Stream(FaceSamples, a.data, a.seed, FaceSamples.sample)):
-        loss = F.binary_cross_entropy_with_logits(net(as_input(pictures)), palm + UNSURE * (1 - 2 * palm))
+        loss = F.binary_cross_entropy_with_logits(outputs(net, pictures), palm + UNSURE * (1 - 2 * palm))
         training.learn(loss)
         sum_loss += loss.item()
         if training.step % 300 == 0:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Takes the weights in the source back into a network that can be trained on.
 
-  resume.py ../../src/find/finder_weights.inc finder.pt --data SET
+  resume.py ../../src/find/finder_weights.inc finder.pt --data SET, or ../../src/find/face_weights.inc face.pt
 
 Folded batch normalisation is split again: each gets the mean and the variance that its convolution
 has on training pictures, and what undoes them, so that the network computes what it did.
@@ -12,6 +12,7 @@ import re
 import numpy as np
 import torch
 
+from face import FaceNetwork, FaceSamples
 from network import Finder
 from samples import Samples
 from train import as_input
@@ -35,8 +36,11 @@ def main():
     ap.add_argument('out')
     ap.add_argument('--data', required=True)
     a = ap.parse_args()
-    net, moments = Finder().eval(), {}
-    for (conv, norm), (w, b) in zip(net.convolutions(), read_blocks(a.source)):
+    blocks = list(read_blocks(a.source))
+    kinds = ((Finder, Samples), (FaceNetwork, FaceSamples))
+    net, samples = next((n().eval(), s(a.data, 5)) for n, s in kinds if len(n().convolutions()) == len(blocks))
+    moments = {}
+    for (conv, norm), (w, b) in zip(net.convolutions(), blocks):
         n_out, n_in, h, v = conv.weight.shape
         w = w.reshape(h, v, n_in, n_out).transpose(3, 2, 0, 1)
         conv.weight.data = torch.tensor(np.ascontiguousarray(w), dtype=torch.float32)
@@ -48,7 +52,6 @@ def main():
         norm.bias.data = torch.tensor(b, dtype=torch.float32)
         conv.register_forward_hook(lambda _, __, y, norm=norm: moments.update(
             {norm: (y.mean((0, 2, 3)), y.var((0, 2, 3)))}))
-    samples = Samples(a.data, 5)
     pictures = torch.from_numpy(np.stack([samples.sample()[0] for _ in range(256)]))
     with torch.no_grad():
         before = net(as_input(pictures[:8]))

@@ -108,8 +108,8 @@ class Samples:
                 self.skin = canvas[y - 2:y + 3, x - 2:x + 3].mean((0, 1))
         return canvas
 
-    def paste(self, canvas, picture, M, light):
-        """Lays a cut-out over the canvas."""
+    def paste(self, canvas, picture, M, light, soft=0.0):
+        """Lays a cut-out over the canvas, its edge blurred by so many pixels."""
         s = np.sqrt(abs(np.linalg.det(M[:, :2])))
         if s < 0.5:  # reduce by averaging first
             k = int(1 / s)
@@ -126,6 +126,8 @@ class Samples:
         M = M - [[0, 0, x0], [0, 0, y0]]
         warped = cv2.warpAffine(picture, M, (x1 - x0, y1 - y0), flags=cv2.INTER_LINEAR)
         bgr, alpha = self.recolour(np.ascontiguousarray(warped[..., :3]), light), warped[..., 3].astype(np.float32) / 255
+        if soft:
+            alpha = cv2.GaussianBlur(alpha, (0, 0), soft)
         if self.skin is not None:
             mean = np.array(cv2.mean(bgr, warped[..., 3])[:3])
             bgr *= (self.skin * np.exp(self.rng.normal(0, 0.12, 3) + self.rng.normal(0, 0.15)) / np.maximum(mean, 4)).astype(np.float32)
@@ -145,7 +147,7 @@ class Samples:
         """
         r = self.rng
         s = np.exp(r.uniform(np.log(least), np.log(most))) / size
-        a = np.deg2rad(r.normal(0, 5) if level else r.normal(0, 25) if r.random() < 0.7 else r.uniform(-180, 180))
+        a = np.deg2rad(r.normal(0, 5) if level else r.normal(0, 25) if r.random() < 0.6 else r.uniform(-180, 180))
         flip = -1 if r.random() < 0.5 else 1
         shear = np.array([[np.exp(r.normal(0, 0.08)), r.normal(0, 0.08)], [0, 1]])
         if flat:
@@ -202,7 +204,7 @@ class Samples:
         """A picture and the fingertips of each open hand in it."""
         r = self.rng
         canvas, hands = self.background(), []
-        if r.random() < 0.22:
+        if r.random() < 0.28:
             picture = self.hands[self.pick(CLOSED)]
             c = np.array(picture.shape[1::-1]) / 2
             self.paste(canvas, picture, self.placing(c, max(picture.shape[:2]), r.uniform([0, 0], [WIDTH, HEIGHT]), 25, 160), 0.5)
@@ -229,7 +231,11 @@ class Samples:
         if kind != WHOLE and r.random() < 0.25:  # a dark hand before a window, a hand lit in a dark room
             canvas *= r.uniform(1.2, 2.0) if r.random() < 0.5 else r.uniform(0.1, 0.7)
             np.clip(canvas, 0, 255, out=canvas)
-        self.paste(canvas, picture, M, 0.4)
+        soft = 0.0
+        if kind != WHOLE and r.random() < 0.1:  # what is behind blurred by the camera's program, and the hand's edge with it
+            soft = r.uniform(0.5, 2)
+            canvas[:] = cv2.GaussianBlur(canvas, (0, 0), r.uniform(1.5, 6))
+        self.paste(canvas, picture, M, 0.4, soft)
         return [self.hand_tips(M, tips)]
 
     def target(self, hands):

@@ -13,6 +13,8 @@ from network import PALMS, TIPS, Finder
 from samples import Samples
 
 DEVICE = 'cuda' if torch.cuda.is_available() else 'cpu'
+# Half as long numbers where the processor multiplies them.
+SHORT = DEVICE == 'cpu' and 'avx512_bf16' in open('/proc/cpuinfo').read()
 
 
 class Stream(torch.utils.data.IterableDataset):
@@ -37,7 +39,7 @@ class Training:
     """Steps of a network whose learning rate falls to almost nothing by the end of the time, and the mean of its weights."""
 
     def __init__(self, net, asked, weight_decay, most_gradient=None):
-        self.net, self.mean, self.asked, self.most_gradient = net.to(DEVICE), copy.deepcopy(net).eval(), asked, most_gradient
+        self.net, self.mean, self.asked, self.most_gradient = net.to(DEVICE, memory_format=torch.channels_last), copy.deepcopy(net).eval(), asked, most_gradient
         self.optimiser = torch.optim.AdamW(net.parameters(), lr=asked.rate, weight_decay=weight_decay)
         self.begun, self.step = time.time(), 0
 
@@ -71,7 +73,7 @@ class Training:
         torch.save({name: value.cpu() for name, value in self.mean.state_dict().items()}, self.asked.out)
 
 
-def begun(net, batch, minutes, threads):
+def begun(net, batch, minutes):
     """The command line's wishes, and the network as they say that it begins."""
     ap = argparse.ArgumentParser()
     ap.add_argument('--data', required=True)
@@ -81,7 +83,7 @@ def begun(net, batch, minutes, threads):
     ap.add_argument('--rate', type=float, default=3e-3)
     ap.add_argument('--batch', type=int, default=batch)
     ap.add_argument('--workers', type=int, default=1)
-    ap.add_argument('--threads', type=int, default=threads)
+    ap.add_argument('--threads', type=int, default=1)
     ap.add_argument('--seed', type=int, default=1)
     a = ap.parse_args()
     torch.manual_seed(a.seed)
@@ -90,6 +92,12 @@ def begun(net, batch, minutes, threads):
     if a.start:
         net.load_state_dict(torch.load(a.start))
     return a, net
+
+
+def outputs(net, pictures):
+    """What the network says of pictures, to learn from."""
+    with torch.autocast('cpu', torch.bfloat16, enabled=SHORT):
+        return net(as_input(pictures).contiguous(memory_format=torch.channels_last)).float()
 
 
 def as_input(pictures):
@@ -111,12 +119,11 @@ def loss_of(out, target, weight):
 
 
 def main():
-    a, net = begun(Finder, batch=48, minutes=50, threads=2)
-    training = Training(net.to(memory_format=torch.channels_last), a, weight_decay=1e-4, most_gradient=5)
+    a, net = begun(Finder, batch=48, minutes=100)
+    training = Training(net, a, weight_decay=1e-4, most_gradient=5)
     seen, sums = 0, np.zeros(2)
     for pictures, target, weight in training.batches(Stream(Samples, a.data, a.seed, picture_and_maps)):
-        out = net(as_input(pictures).contiguous(memory_format=torch.channels_last))
-        loss, parts = loss_of(out, target, weight)
+        loss, parts = loss_of(outputs(net, pictures), target, weight)
         training.learn(loss)
         seen, sums = seen + len(pictures), sums + parts
         if training.step % 200 == 0:
