@@ -37,8 +37,8 @@ class DepthwiseOf5(torch.autograd.Function):
                                                        [of_input, not of_input, False])[0 if of_input else 1]
         for v in (-1, 1):
             for u in (-1, 1):
-                moved = F.pad(x, (-u, u, -v, v)).contiguous(memory_format=torch.channels_last)
-                by_weight[:, :, v + 1:v + 4, u + 1:u + 4] = gradients(moved, weight[:, :, :3, :3].contiguous(), 1, False)
+                moved = F.pad(x, (1 - u, 1 + u, 1 - v, 1 + v)).contiguous(memory_format=torch.channels_last)
+                by_weight[:, :, v + 1:v + 4, u + 1:u + 4] = gradients(moved, weight[:, :, :3, :3].contiguous(), 0, False)
         return gradients(x, weight, 2, True), by_weight
 
 
