@@ -19,8 +19,8 @@ BLOCKS = (4, 10)  # at the third and the fourth level
 
 
 class DepthwiseOf5(torch.autograd.Function):
-    """A depthwise convolution of 5 x 5. oneDNN takes up to 14 times as long for the gradient of its weights
-    as for four of 3 x 3, from which it is put together here."""
+    """A depthwise convolution of 5 x 5. In bfloat16 oneDNN takes 10 to 12 times as long for the gradient of
+    its weights as for four of 3 x 3, from which it is put together here."""
 
     @staticmethod
     def forward(context, x, weight):
