@@ -119,22 +119,25 @@ TEST(Aligner, WhatLiesOutsideTheFrameOrBehindTheCameraIsNoHand) {
   EXPECT_FALSE(scene.align(behind).valid);
 }
 
-TEST(StartPose, RoughTipsAreEnough) {
+TEST(StartPose, RoughFingersAreEnough) {
   const Camera camera = test::rendered_camera();
   std::mt19937 rng = test::random_for("rough");
-  const HandFigure figure =
-      make_figure(FigureCoefficients::Zero(), Face::palm, Layout::thumb_right);
+  const PosedFigure hand = pose_fingers(
+      make_figure(FigureCoefficients::Zero(), Face::palm, Layout::thumb_right), Posture{});
   for (int i = 0; i < 50; ++i) {
     const Eigen::Isometry3d truth = test::hand_at(0.45, deg(15), gauss(rng, 3), {0.05, 0.01});
-    RoughTips tips;
-    tips.sigma_px = 8;
-    for (int f = 0; f < kFingerCount; ++f) {
+    RoughFingers seen;
+    seen.sigma_px = 8;
+    const auto roughly = [&](const Eigen::Vector3d& p_m) -> Eigen::Vector2d {
       // One after the other: compilers draw a call's arguments in different orders.
       const double off_y_px = gauss(rng, 8), off_x_px = gauss(rng, 8);
-      tips.px[f] =
-          camera.project(truth * figure.tips_m.col(f).eval()) + Eigen::Vector2d(off_x_px, off_y_px);
+      return camera.project(truth * p_m) + Eigen::Vector2d(off_x_px, off_y_px);
+    };
+    for (int f = 0; f < kFingerCount; ++f) {
+      seen.tips_px[f] = roughly(hand.tips_m.col(f));
+      seen.roots_px[f] = roughly(hand.centres_m.col(sphere_of(f, 0)));
     }
-    const auto error = test::pose_error(truth, start_pose(tips, figure.tips_m, camera, {}, 0.35));
+    const auto error = test::pose_error(truth, start_pose(seen, hand, camera, {}, 0.35));
     EXPECT_LT(error.head<3>().norm(), deg(60)) << "tilt is hardly seen";
     EXPECT_LT(error.tail<3>().norm(), 0.1);
   }

@@ -159,7 +159,7 @@ TEST_F(SilhouetteOfTiltedHand, FingertipsLieWhereTheFigureHasThemAndMoveAsTheirD
     EXPECT_LT((view().to_frame(silhouette.tip_px(f)) - px.cast<float>()).norm(), 4)
         << "finger " << f;
     EXPECT_LT((view().from_frame(px) - silhouette.tip_px(f)).norm(), 4) << "finger " << f;
-    const TipDerivative J = silhouette.tip_derivative(f);
+    const PlaceDerivative J = silhouette.tip_derivative(f);
     for (int k = 0; k < kHandFreedoms; ++k) {
       const double step = k >= kFigureAt ? 0.1 : k >= 3 && k < 6 ? 5e-4 : 2e-3;
       const Eigen::Vector2d moved = numeric(k, step, [&](const Silhouette& of) -> Eigen::Vector2d {

@@ -190,7 +190,7 @@ TEST(Finder, TheNetworkGivesTheSameBitsEverywhere) {
   FinderNetwork network;
   layers::Workspace workspace;
   std::mt19937 rng = test::random_for("network");
-  for (float& x : workspace.colors) x = static_cast<float>(rng() % 256);
+  for (float& x : workspace.beside) x = static_cast<float>(rng() % 256);
   std::uint32_t hash = 2166136261u;
   for (const float x : network.run(workspace))
     hash = (hash ^ std::bit_cast<std::uint32_t>(x)) * 16777619u;
@@ -205,14 +205,17 @@ TEST(Finder, TheFacesNetworkGivesTheSameBitsEverywhere) {
   for (int f = 0; f < kFingerCount; ++f) hand.tips_px[f] = 1.5f * tips[f];
   const FaceNetwork network;
   layers::Workspace workspace;
-  const float log_odds = network.palm_log_odds(noise.view(), hand, Layout::thumb_right, workspace);
-  EXPECT_EQ(std::bit_cast<std::uint32_t>(log_odds), 1065120288u) << log_odds;
+  const float log_odds =
+      network.look(noise.view(), hand, Layout::thumb_right, workspace).palm_log_odds;
+  EXPECT_EQ(std::bit_cast<std::uint32_t>(log_odds), 1074401669u) << log_odds;
 }
 
-// A mirrored palm is a palm, and so is one that is turned or larger.
-TEST(Finder, TheFaceHangsNeitherOnTheSideNorOnTurnAndSize) {
+// A mirrored palm is a palm, and so is one that is turned or larger, and its fingers have their
+// roots where they have them.
+TEST(Finder, FaceAndRootsHangNeitherOnTheSideNorOnTurnAndSize) {
   const FaceNetwork network;
   layers::Workspace workspace;
+  constexpr float kRootsOff = 0.15f;
   const Shown shown(220);
   const int width = shown.picture.width(), height = shown.picture.height();
   // The same picture, each of its pixels elsewhere.
@@ -227,7 +230,12 @@ TEST(Finder, TheFaceHangsNeitherOnTheSideNorOnTurnAndSize) {
     HandPlace hand;
     for (int f = 0; f < kFingerCount; ++f)
       hand.tips_px[f] = to(shown.film.true_tip_px(f).cast<float>().eval());
-    return network.palm_log_odds(picture.view(), hand, layout, workspace);
+    const FaceNetwork::Look look = network.look(picture.view(), hand, layout, workspace);
+    for (int f = 0; f < kFingerCount; ++f)
+      EXPECT_LT((look.roots_px[f] - to(shown.film.true_root_px(f).cast<float>().eval())).norm(),
+                kRootsOff * hand.span_px())
+          << f << " of " << new_width << " x " << new_height;
+    return look.palm_log_odds;
   };
   using Place = Eigen::Vector2f;
   const float upright = read(

@@ -71,11 +71,18 @@ struct Film {
     return limit_s + 1;
   }
 
+  PosedFigure posed() const {
+    return pose_fingers(
+        make_figure(hand.state.figure, hand.appearance.face, hand.appearance.layout),
+        hand.state.posture);
+  }
+
   Eigen::Vector2d true_tip_px(int finger) const {
-    const HandFigure figure =
-        make_figure(hand.state.figure, hand.appearance.face, hand.appearance.layout);
-    const PosedFigure posed = pose_fingers(figure, hand.state.posture);
-    return camera.project(T_camera_hand * posed.tips_m.col(finger).eval());
+    return camera.project(T_camera_hand * posed().tips_m.col(finger).eval());
+  }
+
+  Eigen::Vector2d true_root_px(int finger) const {
+    return camera.project(T_camera_hand * posed().centres_m.col(sphere_of(finger, 0)).eval());
   }
 
   /// Largest distance of a tip reported to its true place; infinite when one is not reported.

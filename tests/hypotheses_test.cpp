@@ -13,14 +13,17 @@ namespace {
 
 using test::deg;
 
-/// The ways to see a drawn hand of somebody unknown, begun where its fingertips are.
+/// The ways to see a drawn hand of somebody unknown, begun where its fingers are.
 struct Beginning {
   Beginning(const Config& config, double tilt_rad, float palm_log_odds = 0) {
     film.tilt_rad = tilt_rad;
     film.T_camera_hand = film.pose_at(0);
     candidate.layout = film.hand.appearance.layout;
     candidate.palm_log_odds = palm_log_odds;
-    for (int f = 0; f < kFingerCount; ++f) candidate.tips_px[f] = film.true_tip_px(f).cast<float>();
+    for (int f = 0; f < kFingerCount; ++f) {
+      candidate.tips_px[f] = film.true_tip_px(f).cast<float>();
+      candidate.roots_px[f] = film.true_root_px(f).cast<float>();
+    }
     found = ways.begin(candidate, film.picture().view(), film.camera,
                        Person(estimate_figure(average_adult_hand())), config, aligner);
   }

@@ -21,9 +21,11 @@ cv::Point2d point(const Eigen::Vector2f& px) { return {px.x(), px.y()}; }
 void draw_candidates(cv::Mat& picture, std::span<const HandCandidate> candidates) {
   for (const HandCandidate& candidate : candidates) {
     const int thickness = candidate.log_odds > 0 ? 2 : 1;
-    for (const Eigen::Vector2f& tip : candidate.tips_px) {
-      cv::line(picture, point(candidate.palm_px), point(tip), kCandidate, thickness, cv::LINE_AA);
-      cv::circle(picture, point(tip), 4, kCandidate, thickness, cv::LINE_AA);
+    for (int f = 0; f < kFingerCount; ++f) {
+      const cv::Point root = point(candidate.roots_px[f]), tip = point(candidate.tips_px[f]);
+      cv::line(picture, point(candidate.palm_px), root, kCandidate, thickness, cv::LINE_AA);
+      cv::line(picture, root, tip, kCandidate, thickness, cv::LINE_AA);
+      cv::circle(picture, tip, 4, kCandidate, thickness, cv::LINE_AA);
     }
   }
 }

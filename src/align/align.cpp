@@ -54,16 +54,19 @@ HANDYAR_VECTORISED void add_square(const double* J, double weight, double* H) no
   }
 }
 
-/// Adds what is known of the fingertips: it keeps a finger whose colours are not known yet from
-/// straying to what lies beside it.
-void add_tips(const RoughTips& tips, const HandView& view, const Silhouette& silhouette,
-              HandMatrix& H, HandVector& g) {
-  const double weight = 1 / (tips.sigma_px * tips.sigma_px);
-  for (int f = 0; f < kFingerCount; ++f) {
-    const TipDerivative J = silhouette.tip_derivative(f);
-    const Eigen::Vector2f off_px = view.from_frame(tips.px[f]) - silhouette.tip_px(f);
+/// Adds what is known of the fingers: it keeps a finger whose colours are not known yet from
+/// straying to what lies beside it, and the palm from settling within itself.
+void add_fingers(const RoughFingers& fingers, const HandView& view, const Silhouette& silhouette,
+                 HandMatrix& H, HandVector& g) {
+  const double weight = 1 / (fingers.sigma_px * fingers.sigma_px);
+  const auto add = [&](const Eigen::Vector2d& px, const Eigen::Vector2f& now_px,
+                       const PlaceDerivative& J) {
     H += weight * J.transpose() * J;
-    g += weight * J.transpose() * off_px.cast<double>();
+    g += weight * J.transpose() * (view.from_frame(px) - now_px).cast<double>();
+  };
+  for (int f = 0; f < kFingerCount; ++f) {
+    add(fingers.tips_px[f], silhouette.tip_px(f), silhouette.tip_derivative(f));
+    add(fingers.roots_px[f], silhouette.root_px(f), silhouette.root_derivative(f));
   }
 }
 
@@ -186,7 +189,7 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   const HandVector off = a.state.difference(prior.mean), pull = prior.information * off;
   if (iteration + kTextureSteps >= kSegments.size())
     texture.pull(frame, camera, appearance, a.state, H, g);
-  if (prior.tips) add_tips(*prior.tips, view, silhouette, H, g);
+  if (prior.fingers) add_fingers(*prior.fingers, view, silhouette, H, g);
   H += prior.information;
   g += pull;
   a.information = H;

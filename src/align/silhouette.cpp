@@ -230,12 +230,21 @@ Eigen::Vector2f Silhouette::tip_px(int finger) const noexcept {
   return disc_px(end) + r_[end] * direction(finger);
 }
 
-TipDerivative Silhouette::tip_derivative(int finger) const noexcept {
+PlaceDerivative Silhouette::tip_derivative(int finger) const noexcept {
   Eigen::Matrix<double, 2, 3> by_disc = Eigen::Matrix<double, 2, 3>::Identity();
   by_disc.col(2) = direction(finger).cast<double>();
-  const Eigen::Matrix<double, 2, kOwnFreedoms> own =
-      by_disc * J_[sphere_of(finger, kFingerSpheres - 1)];
-  TipDerivative J = TipDerivative::Zero();
+  return place_derivative(finger, sphere_of(finger, kFingerSpheres - 1), by_disc);
+}
+
+PlaceDerivative Silhouette::root_derivative(int finger) const noexcept {
+  return place_derivative(finger, sphere_of(finger, 0),
+                          Eigen::Matrix<double, 2, 3>::Identity());
+}
+
+PlaceDerivative Silhouette::place_derivative(
+    int finger, int sphere, const Eigen::Matrix<double, 2, 3>& by_disc) const noexcept {
+  const Eigen::Matrix<double, 2, kOwnFreedoms> own = by_disc * J_[sphere];
+  PlaceDerivative J = PlaceDerivative::Zero();
   J.leftCols<6>() = own.leftCols<6>();
   J.col(kAbductionAt + finger) = own.col(6);
   J.col(kFlexionAt + finger) = own.col(7);

@@ -28,7 +28,7 @@ struct OutlinePlace {
 };
 
 using OutlineDerivative = Eigen::Matrix<double, 1, kHandFreedoms>;
-using TipDerivative = Eigen::Matrix<double, 2, kHandFreedoms>;
+using PlaceDerivative = Eigen::Matrix<double, 2, kHandFreedoms>;
 
 /// Tapered capsules in a view, each pair of spheres that a hull has once.
 struct Capsules {
@@ -60,9 +60,11 @@ class Silhouette {
   OutlineDerivative derivative(const OutlineAnchor& anchor,
                                const OutlinePlace& place) const noexcept;
 
-  /// A fingertip, and how it moves.
+  /// A fingertip or a finger's root, and how they move.
   Eigen::Vector2f tip_px(int finger) const noexcept;
-  TipDerivative tip_derivative(int finger) const noexcept;
+  Eigen::Vector2f root_px(int finger) const noexcept { return disc_px(sphere_of(finger, 0)); }
+  PlaceDerivative tip_derivative(int finger) const noexcept;
+  PlaceDerivative root_derivative(int finger) const noexcept;
 
   /// Distance of a point from the figure and the forearm, negative inside; px.
   float distance_px(const Eigen::Vector2f& p) const noexcept;
@@ -99,6 +101,9 @@ class Silhouette {
                               std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept;
   std::size_t sheet_polygon(int sheet,
                             std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept;
+  /// How a place moves that hangs on x, y and radius of a finger's sphere.
+  PlaceDerivative place_derivative(int finger, int sphere,
+                                   const Eigen::Matrix<double, 2, 3>& by_disc) const noexcept;
   /// Of a finger's last bone.
   Eigen::Vector2f direction(int finger) const noexcept;
   void try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept;

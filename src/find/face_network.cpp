@@ -13,12 +13,12 @@ namespace {
 
 using Complex = std::complex<float>;
 
-constexpr int kSide = 64, kCells = kSide / 8, kChannels = 64;
+constexpr int kSide = 96, kCells = kSide / 16, kChannels = 32;
 // What it sees of the plane of an average hand, metres: its middle, and how far across.
-constexpr Complex kMiddle_m(0.01f, -0.01f);
-constexpr float kAcross_m = 0.26f;
+constexpr Complex kMiddle_m(0.01f, -0.02f);
+constexpr float kAcross_m = 0.25f;
 // Of one sample so many pixels a side are read: fewer leave jagged edges, more take time.
-constexpr int kLeastReads = 2, kMostReads = 4;
+constexpr int kLeastReads = 2, kMostReads = 3;
 constexpr float kGrey = 127.5f;  // beyond the frame
 
 using AverageTips = std::array<Complex, kFingerCount>;
@@ -28,6 +28,11 @@ using AverageTips = std::array<Complex, kFingerCount>;
 struct Upright {
   Complex px_per_m, offset_px;
   float mirror;  ///< -1 where the frame's x points the other way, for a hand with the thumb left
+
+  Eigen::Vector2f to_frame(Complex p_m) const {
+    const Complex p_px = px_per_m * p_m + offset_px;
+    return {mirror * p_px.real(), -p_px.imag()};
+  }
 };
 
 Upright upright_of(const HandPlace& hand, Layout layout, const AverageTips& average_tips_m) {
@@ -68,9 +73,9 @@ void sample(const ImageView& frame, const Upright& upright, std::span<float> col
         for (int i = 0; i < reads; ++i) {
           const Complex p_m = first_m + step_m * Complex(static_cast<float>(u * reads + i),
                                                          -static_cast<float>(v * reads + j));
-          const Complex p_px = upright.px_per_m * p_m + upright.offset_px;
-          const int x = static_cast<int>(std::floor(upright.mirror * p_px.real() + 0.5f)),
-                    y = static_cast<int>(std::floor(0.5f - p_px.imag()));
+          const Eigen::Vector2f p_px = upright.to_frame(p_m);
+          const int x = static_cast<int>(std::floor(p_px.x() + 0.5f)),
+                    y = static_cast<int>(std::floor(p_px.y() + 0.5f));
           if (x < 0 || y < 0 || x >= frame.width_px || y >= frame.height_px) continue;
           const std::array<int, 3> rgb = reader.rgb(x, y);
           for (int c = 0; c < 3; ++c) sum[c] += rgb[c];
@@ -89,7 +94,7 @@ FaceNetwork::FaceNetwork() : weights_(layers::unpacked(kBlocks, kScales, kWeight
         Complex(static_cast<float>(average.tips_m(0, f)), static_cast<float>(average.tips_m(1, f)));
 }
 
-float FaceNetwork::run(layers::Workspace& in) const noexcept {
+std::array<float, FaceNetwork::kOutputs> FaceNetwork::run(layers::Workspace& in) const noexcept {
   layers::Reader weights{weights_.data()};
   layers::Picture size = layers::stem(in, {kSide, kSide, 3}, weights);
   const auto separable = [&](int outputs, int side, int stride) {
@@ -98,19 +103,30 @@ float FaceNetwork::run(layers::Workspace& in) const noexcept {
   separable(32, 3, 1);
   separable(48, 3, 2);
   separable(48, 5, 1);
+  separable(64, 3, 2);
+  for (int i = 0; i < 2; ++i) separable(64, 5, 1);
   separable(kChannels, 3, 2);
-  for (int i = 0; i < 2; ++i) separable(kChannels, 5, 1);
 
-  const float* head = weights.take(kCells * kCells * kChannels);
-  float log_odds = *weights.take(1);
-  for (int i = 0; i < kCells * kCells * kChannels; ++i) log_odds += head[i] * in.picture[i];
-  return log_odds;
+  constexpr int kInputs = kCells * kCells * kChannels;
+  const float* head = weights.take(kInputs * kOutputs);
+  std::array<float, kOutputs> sums;
+  std::copy_n(weights.take(kOutputs), kOutputs, sums.begin());
+  for (int i = 0; i < kInputs; ++i)
+    for (int o = 0; o < kOutputs; ++o) sums[o] += head[i * kOutputs + o] * in.picture[i];
+  return sums;
 }
 
-float FaceNetwork::palm_log_odds(const ImageView& frame, const HandPlace& hand, Layout layout,
-                                 layers::Workspace& in) const noexcept {
-  sample(frame, upright_of(hand, layout, average_tips_m_), in.colors);
-  return run(in);
+FaceNetwork::Look FaceNetwork::look(const ImageView& frame, const HandPlace& hand, Layout layout,
+                                    layers::Workspace& in) const noexcept {
+  const Upright upright = upright_of(hand, layout, average_tips_m_);
+  sample(frame, upright, in.beside);
+  const std::array<float, kOutputs> said = run(in);
+  Look look{said[0], {}};
+  for (int f = 0; f < kFingerCount; ++f) {
+    const Complex halves(said[1 + 2 * f], -said[2 + 2 * f]);
+    look.roots_px[f] = upright.to_frame(kMiddle_m + 0.5f * kAcross_m * halves);
+  }
+  return look;
 }
 
 }  // namespace handyar

@@ -75,7 +75,7 @@ void HandFinder::Impl::sample(const ImageView& frame, const FinderRegion& region
   std::array<int, Network::kWidth * kMostReads> columns;
   for (int i = 0; i < Network::kWidth * reads; ++i)
     columns[i] = static_cast<int>(std::floor(first.x() + scale * (i + 0.5f) / reads + 0.5f));
-  float* out = workspace.colors.data();
+  float* out = workspace.beside.data();
   for (int v = 0; v < Network::kHeight; ++v)
     for (int u = 0; u < Network::kWidth; ++u, out += 3) {
       std::array<int, 3> sum{};
@@ -116,8 +116,11 @@ void HandFinder::Impl::look(const ImageView& frame, const FinderRegion& region) 
 }
 
 void HandFinder::Impl::tell_faces(const ImageView& frame) noexcept {
-  for (HandCandidate& hand : candidates.items())
-    hand.palm_log_odds = faces.palm_log_odds(frame, hand, hand.layout, workspace);
+  for (HandCandidate& hand : candidates.items()) {
+    const FaceNetwork::Look look = faces.look(frame, hand, hand.layout, workspace);
+    hand.palm_log_odds = look.palm_log_odds;
+    hand.roots_px = look.roots_px;
+  }
 }
 
 std::span<const HandCandidate> HandFinder::look(const ImageView& frame,

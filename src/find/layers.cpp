@@ -134,13 +134,13 @@ void add_doubled(const float* half, Picture size, float* to) { add_doubled_of(ha
 Picture stem(Workspace& in, Picture size, Reader& weights) {
   const float* own = weights.take(3 * 3 * 3 * kSums);
   const float* bias = weights.take(kSums);
-  stem_of(in.colors.data(), size, own, bias, in.picture.data());
+  stem_of(in.beside.data(), size, own, bias, in.picture.data());
   return {(size.width + 1) / 2, (size.height + 1) / 2, kSums};
 }
 
 Picture separable(Workspace& in, Picture size, int outputs, int side, int stride, Reader& weights) {
   float* const picture = in.picture.data();
-  float* const spare = in.spare.data();
+  float* const halfway = in.beside.data();
   const int n = size.channels;
   const float* depth = weights.take(side * side * n);
   const float* depth_bias = weights.take(n);
@@ -149,9 +149,9 @@ Picture separable(Workspace& in, Picture size, int outputs, int side, int stride
   const Picture to{(size.width + stride - 1) / stride, (size.height + stride - 1) / stride,
                    outputs};
   const int pixels = to.width * to.height;
-  depthwise(picture, size, side, stride, depth, depth_bias, spare);
+  depthwise(picture, size, side, stride, depth, depth_bias, halfway);
   const bool has_shortcut = stride == 1 && n == outputs;
-  pointwise(spare, pixels, n, outputs, point, point_bias,
+  pointwise(halfway, pixels, n, outputs, point, point_bias,
             has_shortcut ? Finish::add : Finish::at_least_0, picture);
   return to;
 }

@@ -33,13 +33,12 @@ struct Reader {
   }
 };
 
-/// What networks are run in, one after the other: a picture's colours, red, green and blue of each
-/// pixel from 0 to 255; a layer's picture, and what is between its two halves. As large as the
-/// largest of them, the finder's, wants it.
+/// What networks are run in, one after the other: a layer's picture and, beside it, first the
+/// frame's colours, red, green and blue of each pixel from 0 to 255, then what is between a layer's
+/// two halves. As large as the largest network, the finder's, wants it.
 struct Workspace {
-  std::vector<float> colors = std::vector<float>(160 * 120 * 3),
-                     picture = std::vector<float>(80 * 60 * 16),
-                     spare = std::vector<float>(40 * 30 * 32);
+  std::vector<float> picture = std::vector<float>(80 * 60 * 16),
+                     beside = std::vector<float>(160 * 120 * 3);
 };
 
 /// What is done with a layer's sums: nothing, at least 0, or added to what is there, at least 0.

@@ -39,8 +39,8 @@ std::span<const float> FinderNetwork::run(layers::Workspace& in) noexcept {
     const float* point = weights.take(size.channels * to.channels);
     const float* bias = weights.take(to.channels);
     layers::pointwise(in.picture.data(), size.width * size.height, size.channels, to.channels,
-                      point, bias, layers::Finish::none, in.spare.data());
-    layers::add_doubled(in.spare.data(), to, level.data());
+                      point, bias, layers::Finish::none, in.beside.data());
+    layers::add_doubled(in.beside.data(), to, level.data());
     std::copy_n(level.data(), to.size(), in.picture.data());
     size = to;
   };
@@ -52,8 +52,8 @@ std::span<const float> FinderNetwork::run(layers::Workspace& in) noexcept {
   const float* head = weights.take(32 * kOutputs);
   const float* head_bias = weights.take(kOutputs);
   layers::pointwise(in.picture.data(), kCellsX * kCellsY, 32, kOutputs, head, head_bias,
-                    layers::Finish::none, in.spare.data());
-  return {in.spare.data(), static_cast<std::size_t>(kCellsX * kCellsY * kOutputs)};
+                    layers::Finish::none, in.beside.data());
+  return {in.beside.data(), static_cast<std::size_t>(kCellsX * kCellsY * kOutputs)};
 }
 
 }  // namespace handyar

@@ -57,13 +57,16 @@ void turn_over(Hypothesis& h) {
 
 }  // namespace
 
-RoughTips rough_tips(const HandCandidate& candidate) noexcept {
-  RoughTips tips;
-  for (int f = 0; f < kFingerCount; ++f) tips.px[f] = candidate.tips_px[f].cast<double>();
-  // Rough tips err by about this share of the hand's span.
+RoughFingers rough_fingers(const HandCandidate& candidate) noexcept {
+  RoughFingers fingers;
+  for (int f = 0; f < kFingerCount; ++f) {
+    fingers.tips_px[f] = candidate.tips_px[f].cast<double>();
+    fingers.roots_px[f] = candidate.roots_px[f].cast<double>();
+  }
+  // They err by about this share of the hand's span.
   constexpr double kRough = 0.06;
-  tips.sigma_px = std::max(1.0, kRough * (tips.px[0] - tips.px[4]).norm());
-  return tips;
+  fingers.sigma_px = std::max(1.0, kRough * static_cast<double>(candidate.span_px()));
+  return fingers;
 }
 
 void Hypotheses::sort_and_prune(double most) noexcept {
@@ -145,7 +148,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   since_reconsidered_s_ = 0;
   aligner.forget();
   Beginning beginning{frame, camera, person, config, aligner};
-  const RoughTips tips = rough_tips(candidate);
+  const RoughFingers fingers = rough_fingers(candidate);
   const std::optional<Face> known = known_face(candidate, config);
   for (const Face face : {Face::palm, Face::back}) {
     if (known && face != *known) continue;
@@ -159,10 +162,10 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       state.figure = person.mean();
       for (int f = 0; f < kFingerCount; ++f)
         state.posture.abduction_rad[f] = closing * kClosing_rad[f];
-      state.T_camera_hand = start_pose(tips, pose_fingers(figure, state.posture).tips_m, camera,
+      state.T_camera_hand = start_pose(fingers, pose_fingers(figure, state.posture), camera,
                                        tilt_rad, config.motion.rotation_sigma_rad);
       HandPrior prior = beginning.prior_at(state.T_camera_hand);
-      prior.tips = tips;
+      prior.fingers = fingers;
       beginning.settle(h, prior, kRoughly_m, kStay);
       rough.keep_distinct(h);
     }
@@ -187,9 +190,9 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
 
 void Hypotheses::expect(const HandCandidate* seen, double share,
                         const BeliefConfig& belief) noexcept {
-  tips_.reset();
+  fingers_.reset();
   if (seen == nullptr) return;
-  tips_ = rough_tips(*seen);
+  fingers_ = rough_fingers(*seen);
   weigh_faces(*seen, share, belief);
 }
 
@@ -228,7 +231,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     HandState expected = before;
     expected.T_camera_hand = before.pose_after(dt_s);
     HandPrior prior = prior_around(expected, h.person, dt_s, config);
-    prior.tips = tips_;
+    prior.fingers = fingers_;
     h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kNear_m);
     if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen)
       h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kFar_m);
@@ -238,7 +241,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     turn_over(h);
     h.log_weight += share * h.alignment.log_posterior;
   }
-  tips_.reset();
+  fingers_.reset();
   // Those that have come to the same are one.
   const Hypotheses followed = *this;
   count_ = 0;

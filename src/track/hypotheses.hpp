@@ -31,7 +31,7 @@ class Hypotheses {
   const Hypothesis& best() const { return items_[0]; }
   void clear() {
     count_ = 0;
-    tips_.reset();
+    fingers_.reset();
   }
   /// A hand that is seen in one way alone.
   void resume(const Hypothesis& hypothesis) noexcept;
@@ -73,15 +73,15 @@ class Hypotheses {
   int count_ = 0;
   int turn_ = 0;  ///< of the alternatives, which one is next
   double since_reconsidered_s_ = 0;
-  std::optional<RoughTips> tips_;
+  std::optional<RoughFingers> fingers_;
 };
 
 /// How far the outline may be off where a hand is expected, and how far when nothing much is found
 /// there or it has only just been seen.
 constexpr double kNear_m = 0.009, kFar_m = 0.021;
 
-/// A candidate's fingertips, which err by some hundredths of its span.
-RoughTips rough_tips(const HandCandidate& candidate) noexcept;
+/// A candidate's fingertips and roots, which err by some hundredths of its span.
+RoughFingers rough_fingers(const HandCandidate& candidate) noexcept;
 
 /// No frame stands for longer than this.
 constexpr double kLongest_s = 0.1;

@@ -16,21 +16,33 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kFarthest_m = 5.0;
 
-/// Facing the camera: the similarity that lays the hand's fingertips on the rays.
-Eigen::Isometry3d facing(const RoughTips& tips, const HandFigure::Tips& tips_m,
-                         const Camera& camera) {
-  Eigen::Vector2d mean_hand = Eigen::Vector2d::Zero(), mean_ray = Eigen::Vector2d::Zero();
-  std::array<Eigen::Vector2d, kFingerCount> rays;
-  for (int f = 0; f < kFingerCount; ++f) {
-    rays[f] = camera.unproject(tips.px[f]);
-    mean_ray += rays[f] / kFingerCount;
-    mean_hand += tips_m.col(f).head<2>() / kFingerCount;
+/// Places of a hand, in it and in the frame: fingertips and roots.
+constexpr int kPlaces = 2 * kFingerCount;
+struct Places {
+  Eigen::Matrix<double, 3, kPlaces> hand_m;
+  Eigen::Matrix<double, 2, kPlaces> px;
+
+  Places(const RoughFingers& seen, const PosedFigure& hand) {
+    for (int f = 0; f < kFingerCount; ++f) {
+      hand_m.col(f) = hand.tips_m.col(f);
+      hand_m.col(kFingerCount + f) = hand.centres_m.col(sphere_of(f, 0));
+      px.col(f) = seen.tips_px[f];
+      px.col(kFingerCount + f) = seen.roots_px[f];
+    }
   }
+};
+
+/// Facing the camera: the similarity that lays the hand's places on the rays.
+Eigen::Isometry3d facing(const Places& places, const Camera& camera) {
+  Eigen::Matrix<double, 2, kPlaces> rays;
+  for (int i = 0; i < kPlaces; ++i) rays.col(i) = camera.unproject(places.px.col(i).eval());
+  const Eigen::Vector2d mean_ray = rays.rowwise().mean(),
+                        mean_hand = places.hand_m.topRows<2>().rowwise().mean();
   // The camera's y points down, the hand's up: x to x, y to -y, turned by an angle.
   double c = 0, s = 0, size = 0;
-  for (int f = 0; f < kFingerCount; ++f) {
-    const Eigen::Vector2d h = tips_m.col(f).head<2>() - mean_hand, a(h.x(), -h.y()),
-                          b = rays[f] - mean_ray;
+  for (int i = 0; i < kPlaces; ++i) {
+    const Eigen::Vector2d h = places.hand_m.col(i).head<2>() - mean_hand, a(h.x(), -h.y()),
+                          b = rays.col(i) - mean_ray;
     c += a.dot(b);
     s += a.x() * b.y() - a.y() * b.x();
     size += a.squaredNorm();
@@ -49,11 +61,12 @@ Eigen::Isometry3d facing(const RoughTips& tips, const HandFigure::Tips& tips_m,
 
 }  // namespace
 
-Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure::Tips& tips_m,
+Eigen::Isometry3d start_pose(const RoughFingers& seen, const PosedFigure& hand,
                              const Camera& camera, const std::array<double, 2>& tilt_rad,
                              double tilt_sigma_rad) noexcept {
-  Eigen::Isometry3d start = facing(tips, tips_m, camera);
-  const Eigen::Vector3d middle = tips_m.rowwise().mean(), before = start * middle;
+  const Places places(seen, hand);
+  Eigen::Isometry3d start = facing(places, camera);
+  const Eigen::Vector3d middle = places.hand_m.rowwise().mean(), before = start * middle;
   start.linear() *= so3::exp(Eigen::Vector3d(tilt_rad[0], tilt_rad[1], 0)).toRotationMatrix();
   start.translation() += before - start * middle;
   Eigen::Isometry3d T = start;
@@ -65,15 +78,15 @@ Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure::Tips& tips
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Matrix6d H = 1e-9 * Matrix6d::Identity();
     Vector6d g = Vector6d::Zero();
-    for (int f = 0; f < kFingerCount; ++f) {
-      const Eigen::Vector3d turned = T.linear() * tips_m.col(f), p = turned + T.translation();
+    for (int i = 0; i < kPlaces; ++i) {
+      const Eigen::Vector3d turned = T.linear() * places.hand_m.col(i), p = turned + T.translation();
       if (p.z() < kNearest_m) return start;
       Eigen::Matrix<double, 2, 3> J_point;
-      const Eigen::Vector2d error = tips.px[f] - camera.project(p, &J_point);
+      const Eigen::Vector2d error = places.px.col(i) - camera.project(p, &J_point);
       Eigen::Matrix<double, 2, 6> J;
       J << -J_point * so3::skew(turned), J_point;
-      H += J.transpose() * J / (tips.sigma_px * tips.sigma_px);
-      g += J.transpose() * error / (tips.sigma_px * tips.sigma_px);
+      H += J.transpose() * J / (seen.sigma_px * seen.sigma_px);
+      g += J.transpose() * error / (seen.sigma_px * seen.sigma_px);
     }
     const Eigen::Vector3d turned_so_far =
         so3::log(Eigen::Matrix3d(T.linear() * start.linear().transpose()));

@@ -9,10 +9,10 @@
 
 namespace handyar {
 
-/// The pose of a hand, with its fingertips at `tips_m`, that faces the camera, but for a tilt about
-/// its x and y axis, as far as its rough fingertips allow: they tell place, size and direction
-/// well, tilt badly, so tilt has a prior of `tilt_sigma_rad`.
-Eigen::Isometry3d start_pose(const RoughTips& tips, const HandFigure::Tips& tips_m,
+/// The pose of a hand that faces the camera, but for a tilt about its x and y axis, as far as its
+/// rough fingertips and roots allow: they tell place, size and direction well, tilt badly, so tilt
+/// has a prior of `tilt_sigma_rad`.
+Eigen::Isometry3d start_pose(const RoughFingers& seen, const PosedFigure& hand,
                              const Camera& camera, const std::array<double, 2>& tilt_rad,
                              double tilt_sigma_rad) noexcept;
 

@@ -180,6 +180,8 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
       continue;
     Hypotheses fresh;
     if (!fresh.begin(candidate, frame, camera, seen.person, config, scout)) continue;
+    // Laid where the followed hand is, the picture shows no other reading of it.
+    if (reading == Reading::otherwise && place_of(fresh.best()).same_tips(followed())) continue;
     const Alignment& best = fresh.best().alignment;
     // Where an open hand may be folding, only another one is taken that is as good, and none where
     // it is: with colours learned from what lies there a missing thumb looks as good as any.

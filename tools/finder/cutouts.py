@@ -3,8 +3,8 @@
 
   blender -b -t 1 -P cutouts.py -- RENDER_FOLDER --kind open|closed|people --first 1 --count 1000 --out DIR
 
-Writes DIR/KIND/000001.png (colours and alpha) and DIR/KIND/000001.json: the fingertips in pixels
-and which face of the hand is seen, or where a person's face is. The same number gives the same picture. Blender is started once, so that a
+Writes DIR/KIND/000001.png (colours and alpha) and DIR/KIND/000001.json: fingertips and roots of the
+fingers in pixels and which face of the hand is seen, or where a person's face is. The same number gives the same picture. Blender is started once, so that a
 picture takes about a second; numbers that are there are skipped. Hands whose fingertips cannot all be
 seen are left out.
 """
@@ -353,7 +353,8 @@ class Hands:
     def take(self, path, r):
         hand = self.hand(self.shape(r))
         az, el, fold = posture(hand.P, self.kind, r)
-        vertices = self.with_forearm(hand, hand.pose(az=az, el=el, fold=fold)[0])[0]
+        posed, heads, _ = hand.pose(az=az, el=el, fold=fold)
+        vertices = self.with_forearm(hand, posed)[0]
         move_vertices(self.thing, vertices * 0.001)
         self.skin.skin(self.render, r)
         self.dress(hand, vertices, r)
@@ -374,7 +375,10 @@ class Hands:
             return None
         if not self.studio.shoot(path, r):
             return None
-        return dict(tips=pixels.round(2).tolist() if self.kind == 'open' else None, shows='back' if away else 'palm')
+        if self.kind != 'open':
+            return dict(shows='back' if away else 'palm')
+        roots = 0.001 * np.array([heads['finger%s-1.R' % f] for f in FINGERS]) @ R.T + at
+        return dict(tips=pixels.round(2).tolist(), roots=self.studio.project(roots).round(2).tolist(), shows='back' if away else 'palm')
 
     def visible(self, placed):
         graph = bpy.context.evaluated_depsgraph_get()

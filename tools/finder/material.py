@@ -3,9 +3,9 @@
 
   material.py --out SET --cutouts DIR --real DATA/real --backgrounds DIR... --plates DIR...
 
-Writes hands.npz (pictures with alpha, fingertips in finger order, which kind each is, which face it
-shows: 0 palm, 1 back, -1 not told), people.npz
-(pictures with alpha, where the face is) and backgrounds.npz. Which photographs are taken stands in
+Writes hands.npz (pictures with alpha, fingertips in finger order, the fingers' roots where rendered
+and open, which kind each is, which face it shows: 0 palm, 1 back, -1 not told), people.npz (pictures
+with alpha, where the face is) and backgrounds.npz. Which photographs are taken stands in
 STILLS and CLIPS, by origin, so that the rest can be reported on.
 """
 import argparse
@@ -26,13 +26,14 @@ CLIPS = ('wall_a.mp4', 'desk_stereo0.mp4', 'desk_stereo1.mp4')  # backs
 WHOLE_SIDE = 320
 
 
-def cut(bgr, alpha, tips):
-    """The part of a picture with a hand in it, reduced to SIDE."""
+def cut(bgr, alpha, places):
+    """The part of a picture with a hand in it, reduced to SIDE. `places`: its fingertips, perhaps others after them."""
     ys, xs = np.nonzero(alpha > 20)
     if len(xs) < 400:
         return None
     x0, x1, y0, y1 = xs.min(), xs.max() + 1, ys.min(), ys.max() + 1
-    if tips is not None:  # of a long forearm only a hand's length
+    if places is not None:  # of a long forearm only a hand's length
+        tips = places[:5]
         span = np.ptp(tips, 0).max()
         reach = 2.2 * span
         c = tips.mean(0)
@@ -43,9 +44,9 @@ def cut(bgr, alpha, tips):
     rgba = np.dstack([bgr, alpha])[y0:y1 + m, x0:x1 + m]
     s = min(1.0, SIDE / max(rgba.shape[:2]))
     rgba = cv2.resize(rgba, None, fx=s, fy=s, interpolation=cv2.INTER_AREA)
-    if tips is not None:
-        tips = (tips - [x0, y0] + 0.5) * s - 0.5
-    return rgba, tips
+    if places is not None:
+        places = (places - [x0, y0] + 0.5) * s - 0.5
+    return rgba, places
 
 
 def cutouts(folder, kind):
@@ -145,11 +146,12 @@ def main():
     ap.add_argument('--backgrounds', nargs='*', default=[])
     ap.add_argument('--plates', nargs='*', default=[])
     a = ap.parse_args()
-    pictures, tips, kinds, faces = [], [], [], []
+    pictures, tips, roots, kinds, faces = [], [], [], [], []
 
-    def keep(picture, t, kind, face):
+    def keep(picture, places, kind, face):
         pictures.append(picture)
-        tips.append(np.zeros((5, 2)) if t is None else t)
+        tips.append(np.zeros((5, 2)) if places is None else places[:5])
+        roots.append(places[5:] if kind == OPEN else np.zeros((5, 2)))
         kinds.append(kind)
         faces.append(face)
 
@@ -164,11 +166,11 @@ def main():
             keep(*made, PHOTOGRAPHED, face)
     for name, kind in (('open', OPEN), ('closed', CLOSED)) if a.cutouts else ():
         for bgr, alpha, told in cutouts(a.cutouts, name):
-            made = cut(bgr, alpha, np.array(told['tips']) if kind == OPEN else None)
+            made = cut(bgr, alpha, np.array(told['tips'] + told['roots']) if kind == OPEN else None)
             if made:
                 keep(*made, kind, {'palm': PALM, 'back': BACK}[told['shows']] if kind == OPEN else -1)
     if pictures:
-        pack(os.path.join(a.out, 'hands.npz'), pictures, tips=tips, kinds=kinds, faces=faces)
+        pack(os.path.join(a.out, 'hands.npz'), pictures, tips=tips, roots=roots, kinds=kinds, faces=faces)
         print(*(f'{kinds.count(k)} {n},' for k, n in ((OPEN, 'open hands'), (CLOSED, 'others'), (PHOTOGRAPHED, 'photographed'), (WHOLE, 'photographs'))))
     if a.cutouts:
         people = [(np.dstack([bgr, alpha]), told['face']) for bgr, alpha, told in cutouts(a.cutouts, 'people')]

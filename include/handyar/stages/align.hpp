@@ -40,9 +40,9 @@ struct HandState {
   HandVector difference(const HandState& other) const noexcept;  ///< other minus this
 };
 
-/// Fingertips as a finder gives them: rough.
-struct RoughTips {
-  std::array<Eigen::Vector2d, kFingerCount> px;
+/// Fingertips and the fingers' roots as a finder gives them: rough.
+struct RoughFingers {
+  std::array<Eigen::Vector2d, kFingerCount> tips_px, roots_px;
   double sigma_px = 10;
 };
 
@@ -50,7 +50,7 @@ struct RoughTips {
 struct HandPrior {
   HandState mean;
   HandMatrix information = HandMatrix::Identity();  ///< inverse covariance
-  std::optional<RoughTips> tips;                    ///< in the frame itself
+  std::optional<RoughFingers> fingers;              ///< in the frame itself
 };
 
 /// Which of its four appearances a hand has: two faces, two layouts.
