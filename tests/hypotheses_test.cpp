@@ -17,6 +17,10 @@ using test::deg;
 struct Beginning {
   Beginning(const Config& config, double tilt_rad, float palm_log_odds = 0) {
     film.tilt_rad = tilt_rad;
+    begin(config, palm_log_odds);
+  }
+
+  void begin(const Config& config, float palm_log_odds) {
     film.T_camera_hand = film.pose_at(0);
     candidate.layout = film.hand.appearance.layout;
     candidate.palm_log_odds = palm_log_odds;
@@ -61,10 +65,67 @@ TEST(Hypotheses, TheFinderChangesItsMindAboutTheFace) {
   ASSERT_TRUE(hand.found);
   HandCandidate back = hand.candidate;
   back.palm_log_odds = -6;
-  hand.ways.expect(&back, 1, {});
+  hand.ways.expect(&back, hand.film.camera, 1, {});
   ASSERT_TRUE(
       hand.ways.follow(hand.film.picture().view(), hand.film.camera, 1.0 / 30, {}, hand.aligner));
   EXPECT_EQ(hand.ways.best().appearance.face, Face::back);
+}
+
+TEST(Hypotheses, AThumbStaysWhereTheFinderSawItThoughSkinGoesOnBehindIt) {
+  Beginning hand({}, deg(10));
+  test::Film& film = hand.film;
+  film.hand.state.posture.flexion_rad[0] = 0.8;  // it is seen shorter than at rest
+  film.extra = [&](test::Picture& picture) {
+    const Eigen::Vector2d tip = film.true_tip_px(0),
+                          along = (tip - film.true_root_px(0)).normalized();
+    picture.paint(
+        [&](const Eigen::Vector2d& px) {
+          const double goes_px = std::clamp((px - tip).dot(along), -8.0, 60.0);
+          return (px - tip - goes_px * along).norm() - 10;
+        },
+        1);
+  };
+  hand.begin({}, 6);
+  ASSERT_TRUE(hand.found);
+  for (int frame = 0; frame < 6; ++frame) {  // until the finder looks again
+    ASSERT_TRUE(hand.ways.follow(film.picture().view(), film.camera, 1.0 / 30, {}, hand.aligner));
+    const auto& [appearance, alignment, person, log_weight, fingers] = hand.ways.best();
+    const HandState& state = alignment.state;
+    const PosedFigure posed =
+        pose_fingers(make_figure(state.figure, appearance.face, appearance.layout), state.posture);
+    const Eigen::Vector2d tip_px =
+        film.camera.project(state.T_camera_hand * posed.tips_m.col(0).eval());
+    EXPECT_LT((tip_px - film.true_tip_px(0)).norm(), 0.1 * hand.candidate.span_px()) << frame;
+  }
+}
+
+TEST(SeenFingers, GoAlongWithTheHandAndAreTheLessSureTheFartherItMoves) {
+  test::Film film;
+  film.T_camera_hand = film.pose_at(0);
+  HandState state = film.hand.state;
+  state.T_camera_hand = film.T_camera_hand;
+  RoughFingers seen;
+  for (int f = 0; f < kFingerCount; ++f) {
+    seen.tips_px[f] = film.true_tip_px(f) + Eigen::Vector2d(2 * f, -f);
+    seen.roots_px[f] = film.true_root_px(f);
+  }
+  const SeenFingers fingers = on_hand(seen, film.hand.appearance, state, film.camera);
+  const auto then = fingers.in_frame(film.T_camera_hand, film.camera);
+  ASSERT_TRUE(then);
+  EXPECT_NEAR(then->sigma_px, seen.sigma_px, 1e-9);
+
+  const Eigen::Isometry3d T_then = film.T_camera_hand;
+  film.T_camera_hand = film.pose_at(0.5);
+  const auto now = fingers.in_frame(film.T_camera_hand, film.camera);
+  ASSERT_TRUE(now);
+  EXPECT_GT(now->sigma_px, 1.5 * seen.sigma_px);
+  for (int f = 0; f < kFingerCount; ++f) {
+    EXPECT_LT((then->tips_px[f] - seen.tips_px[f]).norm(), 1e-9);
+    EXPECT_LT((now->roots_px[f] - film.true_root_px(f)).norm(), 1e-9);
+  }
+  Eigen::Isometry3d T_behind = T_then;
+  T_behind.translation().z() *= -1;
+  EXPECT_FALSE(fingers.in_frame(T_behind, film.camera));
 }
 
 TEST(Hypotheses, TheSideThatIsToldLeavesOneFace) {

@@ -53,21 +53,10 @@ void turn_over(Hypothesis& h) {
   h.appearance = {opposite(h.appearance.face), opposite(h.appearance.layout)};
   T.linear().col(0) *= -1;
   T.linear().col(2) *= -1;
+  h.fingers.reset();
 }
 
 }  // namespace
-
-RoughFingers rough_fingers(const HandCandidate& candidate) noexcept {
-  RoughFingers fingers;
-  for (int f = 0; f < kFingerCount; ++f) {
-    fingers.tips_px[f] = candidate.tips_px[f].cast<double>();
-    fingers.roots_px[f] = candidate.roots_px[f].cast<double>();
-  }
-  // They err by about this share of the hand's span.
-  constexpr double kRough = 0.06;
-  fingers.sigma_px = std::max(1.0, kRough * static_cast<double>(candidate.span_px()));
-  return fingers;
-}
 
 void Hypotheses::sort_and_prune(double most) noexcept {
   // In place: the library's stable sort takes memory.
@@ -183,25 +172,21 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       keep_distinct(h);
     }
   }
-  weigh_faces(candidate, 1, config.belief);
+  expect(&candidate, camera, 1, config.belief);
   sort_and_prune(config.belief.most);
   return count_ > 0;
 }
 
-void Hypotheses::expect(const HandCandidate* seen, double share,
+void Hypotheses::expect(const HandCandidate* seen, const Camera& camera, double share,
                         const BeliefConfig& belief) noexcept {
-  fingers_.reset();
-  if (seen == nullptr) return;
-  fingers_ = rough_fingers(*seen);
-  weigh_faces(*seen, share, belief);
-}
-
-void Hypotheses::weigh_faces(const HandCandidate& seen, double share,
-                             const BeliefConfig& belief) noexcept {
-  const double palm =
-      share * std::clamp<double>(seen.palm_log_odds, -belief.most_frame, belief.most_frame);
-  for (Hypothesis& h : std::span(items_.data(), count_))
-    if (h.appearance.face == Face::palm) h.log_weight += palm;
+  for (Hypothesis& h : std::span(items_.data(), count_)) {
+    h.fingers.reset();
+    if (seen == nullptr) continue;
+    h.fingers = on_hand(rough_fingers(*seen), h.appearance, h.alignment.state, camera);
+    if (h.appearance.face == Face::palm)
+      h.log_weight +=
+          share * std::clamp<double>(seen->palm_log_odds, -belief.most_frame, belief.most_frame);
+  }
 }
 
 Matrix6d Hypotheses::spread() const noexcept {
@@ -231,7 +216,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     HandState expected = before;
     expected.T_camera_hand = before.pose_after(dt_s);
     HandPrior prior = prior_around(expected, h.person, dt_s, config);
-    prior.fingers = fingers_;
+    if (h.fingers) prior.fingers = h.fingers->in_frame(expected.T_camera_hand, camera);
     h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kNear_m);
     if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen)
       h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kFar_m);
@@ -241,7 +226,6 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     turn_over(h);
     h.log_weight += share * h.alignment.log_posterior;
   }
-  fingers_.reset();
   // Those that have come to the same are one.
   const Hypotheses followed = *this;
   count_ = 0;

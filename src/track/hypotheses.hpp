@@ -10,6 +10,7 @@
 #include "handyar/stages/hand_finder.hpp"
 #include "track/hand_prior.hpp"
 #include "track/person.hpp"
+#include "track/seen_fingers.hpp"
 #include "track/tracker_config.hpp"
 
 namespace handyar {
@@ -18,8 +19,9 @@ namespace handyar {
 struct Hypothesis {
   Appearance appearance;
   Alignment alignment;
-  Person person;          ///< as it sees them
-  double log_weight = 0;  ///< evidence so far, nats
+  Person person;                       ///< as it sees them
+  double log_weight = 0;               ///< evidence so far, nats
+  std::optional<SeenFingers> fingers;  ///< as the finder last saw them
 };
 
 /// The ways to see the hand that are still possible; the likeliest first. Empty: no hand.
@@ -29,10 +31,7 @@ class Hypotheses {
 
   int size() const { return count_; }
   const Hypothesis& best() const { return items_[0]; }
-  void clear() {
-    count_ = 0;
-    fingers_.reset();
-  }
+  void clear() { count_ = 0; }
   /// A hand that is seen in one way alone.
   void resume(const Hypothesis& hypothesis) noexcept;
 
@@ -41,9 +40,10 @@ class Hypotheses {
   bool begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
              const Person& person, const TrackerConfig& config, Aligner& aligner) noexcept;
 
-  /// What a finder sees of the hand: where the fingertips are, for the next frame to be followed,
-  /// and, `share` of what it says, which face. Null: nothing.
-  void expect(const HandCandidate* seen, double share, const BeliefConfig& belief) noexcept;
+  /// What a finder sees of the hand: where fingertips and roots are, for frames to come, and,
+  /// `share` of what it says, which face. Null: nothing.
+  void expect(const HandCandidate* seen, const Camera& camera, double share,
+              const BeliefConfig& belief) noexcept;
 
   /// Lays each on the next frame, weighs them, drops the unlikely. False when none can be seen.
   bool follow(const ImageView& frame, const Camera& camera, double dt_s,
@@ -64,8 +64,6 @@ class Hypotheses {
   /// Adds a way to see the hand, in the place of one that is nearly the same or of the least likely
   /// one where there is no room, unless these are likelier.
   void keep_distinct(const Hypothesis& hypothesis) noexcept;
-  /// Adds what a finder says of the face, `share` of it.
-  void weigh_faces(const HandCandidate& seen, double share, const BeliefConfig& belief) noexcept;
   /// The likeliest first; what is less likely than it by more than `most` nats is given up.
   void sort_and_prune(double most) noexcept;
 
@@ -73,15 +71,11 @@ class Hypotheses {
   int count_ = 0;
   int turn_ = 0;  ///< of the alternatives, which one is next
   double since_reconsidered_s_ = 0;
-  std::optional<RoughFingers> fingers_;
 };
 
 /// How far the outline may be off where a hand is expected, and how far when nothing much is found
 /// there or it has only just been seen.
 constexpr double kNear_m = 0.009, kFar_m = 0.021;
-
-/// A candidate's fingertips and roots, which err by some hundredths of its span.
-RoughFingers rough_fingers(const HandCandidate& candidate) noexcept;
 
 /// No frame stands for longer than this.
 constexpr double kLongest_s = 0.1;

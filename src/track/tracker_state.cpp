@@ -162,7 +162,7 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
   if (had) {
     const double share = std::min(1.0, since_s / limits.same_s);
     seen.belief += share * std::clamp(verdict(), -limits.most_frame, limits.most_frame);
-    seen.hypotheses.expect(seen_again(), share, limits);
+    seen.hypotheses.expect(seen_again(), camera, share, limits);
   }
   seen.read_otherwise = false;
   begin(frame);

@@ -77,11 +77,10 @@ class FaceSamples(Samples):
             self.of_kind[k] = which
         self.held_out = held_out
 
-    def wrinkles(self, canvas, tips, back):
+    def wrinkles(self, canvas, tips, roots, back):
         """Dark across the knuckles of fingers, as real backs have it and rendered ones do not; on palms anywhere."""
         r = self.rng
         window = np.stack(np.mgrid[-14:15, -14:15][::-1], -1)
-        roots = seen(ROOTS) + np.array([WIDTH - SIDE, HEIGHT - SIDE]) // 2
         deep, long, wide = r.uniform(0.05, 0.65), r.uniform(0.8, 3.2), r.uniform(2, 6)
         for at in (r.normal(0.57, 0.04), r.normal(0.3, 0.03), r.normal(1.05, 0.06)) if back else r.uniform(0.2, 1.1, 2):
             share = r.uniform(0.3 if back else 0, 1)
@@ -95,11 +94,12 @@ class FaceSamples(Samples):
                 dark = share * deep * r.uniform(0.5, 1) * np.exp(-0.5 * ((off @ along) / long) ** 2 - 0.5 * ((off @ [-along[1], along[0]]) / wide) ** 2)
                 canvas[y - 14:y + 15, x - 14:x + 15] *= (1 - dark)[..., None]
 
-    def relief(self, canvas, tips, back):
+    def relief(self, canvas, tips, roots, back):
         """Real backs have tendons, knuckles and nails, real palms creases, which rendered ones hardly have: drawn, lit from a side."""
         r = self.rng
-        to_tips = np.linalg.lstsq(np.column_stack([MODEL_TIPS, np.ones(5)]), tips, rcond=None)[0]
-        place = lambda points: np.column_stack([points, np.ones(len(points))]) @ to_tips
+        average, ones = np.vstack([MODEL_TIPS, ROOTS]), lambda n: np.ones((n, 1))
+        to_picture = np.linalg.lstsq(np.hstack([average, ones(10)]), np.vstack([tips, roots]), rcond=None)[0]
+        place = lambda points: np.hstack([points, ones(len(points))]) @ to_picture
         height = np.zeros((HEIGHT, WIDTH), np.float32)
 
         def lines(paths, high, wide):
@@ -115,7 +115,7 @@ class FaceSamples(Samples):
                   r.uniform(0, 2.5), r.uniform(1.2, 3))
             lines([ROOTS[k] + np.array([[-0.002, 0], [0.002, 0]]) for k in fingers], r.uniform(-0.3, 1.5), r.uniform(2, 4))
             if r.random() < 0.8:
-                self.nails(canvas, tips, place(ROOTS))
+                self.nails(canvas, tips, roots)
         else:
             kept = [c + r.normal(0, 0.003, c.shape) for c in CREASES if r.random() < 0.8]
             lines(kept, -r.uniform(0.2, 1.2), r.uniform(0.6, 1.6))
@@ -154,10 +154,13 @@ class FaceSamples(Samples):
             canvas *= r.uniform(1.2, 2.0) if r.random() < 0.5 else r.uniform(0.1, 0.7)
             np.clip(canvas, 0, 255, out=canvas)
         self.paste(canvas, picture, M, 0.5)
-        if kind == OPEN and r.random() < 0.75:
-            self.wrinkles(canvas, self.hand_tips(M, tips), self.hands.more['faces'][i] != PALM)
-        if kind == OPEN and r.random() < 0.75:
-            self.relief(canvas, self.hand_tips(M, tips), self.hands.more['faces'][i] != PALM)
+        if kind == OPEN:
+            roots = self.hand_tips(M, self.hands.more['roots'][i])
+            hand = self.hand_tips(M, tips), roots, self.hands.more['faces'][i] != PALM
+            if r.random() < 0.75:
+                self.wrinkles(canvas, *hand)
+            if r.random() < 0.75:
+                self.relief(canvas, *hand)
         if r.random() < 0.4:
             self.lamp(canvas, SIDE)
         if r.random() < 0.3:  # a small hand, enlarged
@@ -165,7 +168,7 @@ class FaceSamples(Samples):
         elif r.random() < 0.3:
             self.sharpen(canvas)
         picture = self.finish(canvas)[corner[1]:corner[1] + SIDE, corner[0]:corner[0] + SIDE]
-        roots = (self.hand_tips(M, self.hands.more['roots'][i]) - corner - (SIDE - 1) / 2) / (SIDE / 2) if kind == OPEN else np.full((5, 2), np.nan)
+        roots = (roots - corner - (SIDE - 1) / 2) / (SIDE / 2) if kind == OPEN else np.full((5, 2), np.nan)
         return np.ascontiguousarray(picture), np.append(self.hands.more['faces'][i] == PALM, roots).astype(np.float32)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The network half-way between where a round of training began and where it ended.
+"""A network half-way between where a round of training began and where it ended, either of the two.
 
   halfway.py start.pt finder.pt halfway.pt --data SET
 
@@ -11,6 +11,7 @@ import argparse
 import numpy as np
 import torch
 
+from face import FaceNetwork, FaceSamples
 from network import Finder
 from samples import Samples
 from train import as_input
@@ -24,13 +25,12 @@ def main():
     ap.add_argument('--data', required=True)
     a = ap.parse_args()
     start, end = torch.load(a.start), torch.load(a.end)
-    net = Finder()
+    net, samples = (Finder(), Samples(a.data, 77)) if 'down1.depth.weight' in end else (FaceNetwork(), FaceSamples(a.data, 77))
     net.load_state_dict({k: (start[k] + end[k]) / 2 if end[k].is_floating_point() else end[k] for k in end})
     for layer in net.modules():
         if isinstance(layer, torch.nn.BatchNorm2d):
             layer.reset_running_stats()
             layer.momentum = None  # the mean of all
-    samples = Samples(a.data, 77)
     with torch.no_grad():
         for _ in range(40):
             net(as_input(torch.from_numpy(np.stack([samples.sample()[0] for _ in range(48)]))))
