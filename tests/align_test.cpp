@@ -137,7 +137,7 @@ TEST(StartPose, RoughFingersAreEnough) {
       seen.tips_px[f] = roughly(hand.tips_m.col(f));
       seen.roots_px[f] = roughly(hand.centres_m.col(sphere_of(f, 0)));
     }
-    const auto error = test::pose_error(truth, start_pose(seen, hand, camera, {}, 0.35));
+    const auto error = test::pose_error(truth, start_pose(seen, hand, camera, 0.35));
     EXPECT_LT(error.head<3>().norm(), deg(60)) << "tilt is hardly seen";
     EXPECT_LT(error.tail<3>().norm(), 0.1);
   }

@@ -17,15 +17,9 @@ constexpr std::array<double, 2> kRoughly_m{0.006, 0.004}, kFinely_m{0.003, 0.002
 // How far off the outline may be then, and how far it may stay while it is rough, in margins.
 constexpr double kReach = 3.5, kStay = 2.5;
 constexpr double kForgetAll = 1e-3;
-// Fingertips tell tilt badly, and whether a hand is small or its fingers are close together, and a
-// figure that has settled in a wrong one stays in it: it begins as the fingertips say, tilted from
-// there, and with its fingers almost side by side.
-struct Start {
-  std::array<double, 2> tilt_rad;
-  double closing;
-};
-constexpr std::array<Start, 6> kStarts{
-    {{{0, 0}, 0}, {{0.4, 0}, 0}, {{-0.4, 0}, 0}, {{0, 0.4}, 0}, {{0, -0.4}, 0}, {{0, 0}, 0.7}}};
+// Whether a hand is small or its fingers are close together is told badly, and a figure that has
+// settled in a wrong size stays in it: it begins with its fingers apart and almost side by side.
+constexpr std::array<double, 2> kClosed{0, 0.7};
 // Two planar solutions that end this near to each other are one.
 constexpr double kSame_rad = 0.1;
 // What was given up is thought of again this often.
@@ -143,16 +137,16 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     if (known && face != *known) continue;
     const HandFigure figure = make_figure(person.mean(), face, candidate.layout);
     Hypotheses rough;
-    for (const auto& [tilt_rad, closing] : kStarts) {
+    for (const double closed : kClosed) {
       Hypothesis h;
       h.appearance = {face, candidate.layout};
       h.person = person;
       HandState& state = h.alignment.state;
       state.figure = person.mean();
       for (int f = 0; f < kFingerCount; ++f)
-        state.posture.abduction_rad[f] = closing * kClosing_rad[f];
+        state.posture.abduction_rad[f] = closed * kClosing_rad[f];
       state.T_camera_hand = start_pose(fingers, pose_fingers(figure, state.posture), camera,
-                                       tilt_rad, config.motion.rotation_sigma_rad);
+                                       config.motion.rotation_sigma_rad);
       HandPrior prior = beginning.prior_at(state.T_camera_hand);
       prior.fingers = fingers;
       beginning.settle(h, prior, kRoughly_m, kStay);
@@ -161,8 +155,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     rough.sort_and_prune(config.belief.most);
     // From here on the picture alone tells whether there is a hand: held by a thumb that the finder
     // only thinks is there, a figure lies on four fingers as well as on five.
-    const int most = known ? kMost : kMost / 2;
-    for (Hypothesis& h : std::span(rough.items_.data(), std::min(most, rough.count_))) {
+    for (Hypothesis& h : std::span(rough.items_.data(), rough.count_)) {
       const HandPrior prior = beginning.prior_at(h.alignment.state.T_camera_hand);
       beginning.settle(h, prior, kFinely_m, 0);
       keep_distinct(h);

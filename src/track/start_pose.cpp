@@ -62,13 +62,9 @@ Eigen::Isometry3d facing(const Places& places, const Camera& camera) {
 }  // namespace
 
 Eigen::Isometry3d start_pose(const RoughFingers& seen, const PosedFigure& hand,
-                             const Camera& camera, const std::array<double, 2>& tilt_rad,
-                             double tilt_sigma_rad) noexcept {
+                             const Camera& camera, double tilt_sigma_rad) noexcept {
   const Places places(seen, hand);
-  Eigen::Isometry3d start = facing(places, camera);
-  const Eigen::Vector3d middle = places.hand_m.rowwise().mean(), before = start * middle;
-  start.linear() *= so3::exp(Eigen::Vector3d(tilt_rad[0], tilt_rad[1], 0)).toRotationMatrix();
-  start.translation() += before - start * middle;
+  const Eigen::Isometry3d start = facing(places, camera);
   Eigen::Isometry3d T = start;
   const Eigen::Vector3d sight = T.translation().normalized();
   // Turning about the line of sight is free, tilting has the prior.
@@ -79,7 +75,8 @@ Eigen::Isometry3d start_pose(const RoughFingers& seen, const PosedFigure& hand,
     Matrix6d H = 1e-9 * Matrix6d::Identity();
     Vector6d g = Vector6d::Zero();
     for (int i = 0; i < kPlaces; ++i) {
-      const Eigen::Vector3d turned = T.linear() * places.hand_m.col(i), p = turned + T.translation();
+      const Eigen::Vector3d turned = T.linear() * places.hand_m.col(i),
+                            p = turned + T.translation();
       if (p.z() < kNearest_m) return start;
       Eigen::Matrix<double, 2, 3> J_point;
       const Eigen::Vector2d error = places.px.col(i) - camera.project(p, &J_point);
