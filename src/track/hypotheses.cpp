@@ -11,8 +11,7 @@ namespace handyar {
 namespace {
 
 // A new hand's colours are taken ever nearer to its outline while the figure settles on it, roughly
-// from each start, then finely from those that explain the picture best: so much is left out on
-// both sides.
+// from each start, then finely from where these ended: so much is left out on both sides.
 constexpr std::array<double, 2> kRoughly_m{0.006, 0.004}, kFinely_m{0.003, 0.002};
 // How far off the outline may be then, and how far it may stay while it is rough, in margins.
 constexpr double kReach = 3.5, kStay = 2.5;

@@ -35,8 +35,8 @@ class Hypotheses {
   /// A hand that is seen in one way alone.
   void resume(const Hypothesis& hypothesis) noexcept;
 
-  /// The likeliest ways to see a hand that the finder saw: both faces, tilted to all sides, both
-  /// planar solutions. False when none of them can be laid on the picture.
+  /// The likeliest ways to see a hand that the finder saw: both faces, fingers apart and side by
+  /// side, both planar solutions. False when none of them can be laid on the picture.
   bool begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
              const Person& person, const TrackerConfig& config, Aligner& aligner) noexcept;
 
