@@ -71,11 +71,7 @@ struct Film {
     return limit_s + 1;
   }
 
-  PosedFigure posed() const {
-    return pose_fingers(
-        make_figure(hand.state.figure, hand.appearance.face, hand.appearance.layout),
-        hand.state.posture);
-  }
+  PosedFigure posed() const { return posed_figure(hand.appearance, hand.state); }
 
   Eigen::Vector2d true_tip_px(int finger) const {
     return camera.project(T_camera_hand * posed().tips_m.col(finger).eval());

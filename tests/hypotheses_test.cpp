@@ -89,12 +89,10 @@ TEST(Hypotheses, AThumbStaysWhereTheFinderSawItThoughSkinGoesOnBehindIt) {
   ASSERT_TRUE(hand.found);
   for (int frame = 0; frame < 6; ++frame) {  // until the finder looks again
     ASSERT_TRUE(hand.ways.follow(film.picture().view(), film.camera, 1.0 / 30, {}, hand.aligner));
-    const auto& [appearance, alignment, person, log_weight, fingers] = hand.ways.best();
-    const HandState& state = alignment.state;
-    const PosedFigure posed =
-        pose_fingers(make_figure(state.figure, appearance.face, appearance.layout), state.posture);
-    const Eigen::Vector2d tip_px =
-        film.camera.project(state.T_camera_hand * posed.tips_m.col(0).eval());
+    const Hypothesis& best = hand.ways.best();
+    const HandState& state = best.alignment.state;
+    const Eigen::Vector3d tip_m = posed_figure(best.appearance, state).tips_m.col(0);
+    const Eigen::Vector2d tip_px = film.camera.project(state.T_camera_hand * tip_m);
     EXPECT_LT((tip_px - film.true_tip_px(0)).norm(), 0.1 * hand.candidate.span_px()) << frame;
   }
 }

@@ -222,9 +222,7 @@ std::optional<double> Aligner::share_of_hand(const ImageView& frame, const Camer
                                              Appearance appearance, const HandState& state,
                                              int part) const noexcept {
   const PixelReader reader(frame);
-  const Inside points = points_inside(
-      pose_fingers(make_figure(state.figure, appearance.face, appearance.layout), state.posture),
-      part);
+  const Inside points = points_inside(posed_figure(appearance, state), part);
   std::array<ColorBin, kMostInside> bins{};
   std::size_t count = 0;
   for (int i = 0; i < kMostInside; ++i) {

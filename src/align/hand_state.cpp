@@ -13,6 +13,10 @@ Eigen::Isometry3d HandState::pose_after(double dt_s) const noexcept {
   return T;
 }
 
+PosedFigure posed_figure(Appearance appearance, const HandState& state) noexcept {
+  return pose_fingers(make_figure(state.figure, appearance.face, appearance.layout), state.posture);
+}
+
 void HandState::correct(const HandVector& step) noexcept {
   T_camera_hand.linear() = (so3::exp(step.head<3>()) * Eigen::Quaterniond(T_camera_hand.linear()))
                                .normalized()

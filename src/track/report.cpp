@@ -43,8 +43,7 @@ void HandTracker::Impl::report(TrackResult& result) noexcept {
   const HandState& state = best.alignment.state;
   evidence.outline = aligner.outline();
   evidence.log_ratio = best.alignment.log_ratio;
-  const HandFigure figure = make_figure(state.figure, best.appearance.face, best.appearance.layout);
-  const PosedFigure posed = pose_fingers(figure, state.posture);
+  const PosedFigure posed = posed_figure(best.appearance, state);
   for (int f = 0; f < kFingerCount; ++f)
     result.tips[f] = shown(posed.tips_m.col(f), state.T_camera_hand, camera);
   for (int k = 0; k < kValleyCount; ++k)

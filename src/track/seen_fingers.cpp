@@ -23,8 +23,7 @@ RoughFingers rough_fingers(const HandCandidate& candidate) noexcept {
 SeenFingers on_hand(const RoughFingers& seen, Appearance appearance, const HandState& state,
                     const Camera& camera) noexcept {
   const Eigen::Isometry3d& T = state.T_camera_hand;
-  const PosedFigure posed =
-      pose_fingers(make_figure(state.figure, appearance.face, appearance.layout), state.posture);
+  const PosedFigure posed = posed_figure(appearance, state);
   const auto place = [&](const Eigen::Vector2d& px, const Eigen::Vector3d& of_figure_m) {
     const double depth_m = (T * of_figure_m).z();
     return (T.inverse() * (depth_m * camera.unproject(px).homogeneous())).eval();

@@ -100,8 +100,7 @@ const Hypothesis* HandTracker::Impl::in_view() const noexcept {
 
 HandPlace HandTracker::Impl::place_of(const Hypothesis& its) const noexcept {
   const HandState& state = its.alignment.state;
-  const HandFigure figure = make_figure(state.figure, its.appearance.face, its.appearance.layout);
-  const PosedFigure posed = pose_fingers(figure, state.posture);
+  const PosedFigure posed = posed_figure(its.appearance, state);
   HandPlace now;
   const auto shown = [&](const Eigen::Vector3d& p) {
     return camera.project(state.T_camera_hand * p).cast<float>().eval();

@@ -10,8 +10,7 @@ import sys
 import numpy as np
 import torch
 
-from face import FaceNetwork
-from network import Finder
+from face import network_of
 
 
 def blocks(net):
@@ -32,10 +31,7 @@ def quantised(w):
 
 
 def main():
-    trained = torch.load(sys.argv[1])
-    net = Finder() if 'down1.depth.weight' in trained else FaceNetwork()
-    net.load_state_dict(trained)
-    net.eval()
+    net = network_of(torch.load(sys.argv[1]))[0].eval()
     weights, scales, table = [], [], []
     for w, b in blocks(net):
         q, s = quantised(w)

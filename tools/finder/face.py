@@ -11,7 +11,7 @@ import torch
 import torch.nn as nn
 import torch.nn.functional as F
 
-from network import HEIGHT, WIDTH, Separable
+from network import HEIGHT, WIDTH, Finder, Separable
 from samples import MODEL_TIPS, OPEN, PALM, PHOTOGRAPHED, WHOLE, Samples, thumb_right
 from train import DEVICE, Stream, Training, as_input, begun, outputs
 
@@ -170,6 +170,14 @@ class FaceSamples(Samples):
         picture = self.finish(canvas)[corner[1]:corner[1] + SIDE, corner[0]:corner[0] + SIDE]
         roots = (roots - corner - (SIDE - 1) / 2) / (SIDE / 2) if kind == OPEN else np.full((5, 2), np.nan)
         return np.ascontiguousarray(picture), np.append(self.hands.more['faces'][i] == PALM, roots).astype(np.float32)
+
+
+def network_of(trained):
+    """The network, this or the finder, that has these weights, and what draws its samples."""
+    kind, samples = (Finder, Samples) if 'down1.depth.weight' in trained else (FaceNetwork, FaceSamples)
+    net = kind()
+    net.load_state_dict(trained)
+    return net, samples
 
 
 def losses(said, truth):

@@ -11,9 +11,7 @@ import argparse
 import numpy as np
 import torch
 
-from face import FaceNetwork, FaceSamples
-from network import Finder
-from samples import Samples
+from face import network_of
 from train import as_input
 
 
@@ -25,8 +23,8 @@ def main():
     ap.add_argument('--data', required=True)
     a = ap.parse_args()
     start, end = torch.load(a.start), torch.load(a.end)
-    net, samples = (Finder(), Samples(a.data, 77)) if 'down1.depth.weight' in end else (FaceNetwork(), FaceSamples(a.data, 77))
-    net.load_state_dict({k: (start[k] + end[k]) / 2 if end[k].is_floating_point() else end[k] for k in end})
+    net, kind = network_of({k: (start[k] + end[k]) / 2 if end[k].is_floating_point() else end[k] for k in end})
+    samples = kind(a.data, 77)
     for layer in net.modules():
         if isinstance(layer, torch.nn.BatchNorm2d):
             layer.reset_running_stats()

@@ -59,6 +59,9 @@ struct Appearance {
   Layout layout = Layout::thumb_right;
 };
 
+/// The figure that a state has in one of its appearances, its fingers as they are held.
+PosedFigure posed_figure(Appearance appearance, const HandState& state) noexcept;
+
 /// A place on the outline of the figure, in pixels of the frame, and what the picture says of it.
 struct OutlinePoint {
   Eigen::Vector2f px, normal;  ///< outwards
