@@ -64,33 +64,36 @@ std::string row(const Column& c, const Figures& figures) {
 
 std::string group_table(const std::string& group, const Figures& figures) {
   int open = 0, right = 0, wrong = 0, other = 0, handless = 0, falsely = 0, changes = 0;
-  int jumps = 0, unsound = 0, wrong_as_sound = 0;
+  int jumps = 0, unsound = 0, right_as_sound = 0, wrong_as_sound = 0, shown_changes = 0;
   for (const FootageFigures* f : figures) {
     open += f->open_frames;
     right += f->right;
     wrong += f->wrong;
+    right_as_sound += f->right_as_sound;
     wrong_as_sound += f->wrong_as_sound;
     other += f->on_other_hand;
     handless += f->handless_frames;
     falsely += f->falsely_tracked;
     changes += f->state_changes;
+    shown_changes += f->shown_changes;
     jumps += f->jumps;
     unsound += f->unsound;
   }
-  std::string text = "## " + group + "\n\n" + std::to_string(figures.size()) + " sequences. Of " +
-                     std::to_string(open) + " frames with an open hand in view, " +
-                     std::to_string(right) + " rightly and " + std::to_string(wrong) +
-                     " wrongly tracked (" + std::to_string(wrong_as_sound) +
-                     " of these not said to be doubtful), " + std::to_string(other) +
-                     " on a second hand; " + std::to_string(changes) +
-                     " changes of state between them, " +
-                     number(open > 0 ? 100.0 * changes / open : kUnknown, 1) +
-                     " in a hundred. Of poses shown as sound, " + std::to_string(jumps) +
-                     " leap by over a fifth of the distance and " + std::to_string(unsound) +
-                     " are by truth far off. Of " + std::to_string(handless) +
-                     " frames without an outstretched hand, " + std::to_string(falsely) +
-                     " tracked.\n\n| over sequences | median | worst tenth | worst |\n"
-                     "| --- | --: | --: | --: |\n";
+  std::string text =
+      "## " + group + "\n\n" + std::to_string(figures.size()) + " sequences. Of " +
+      std::to_string(open) + " frames with an open hand in view, " + std::to_string(right) +
+      " rightly and " + std::to_string(wrong) + " wrongly tracked (" +
+      std::to_string(right_as_sound) + " and " + std::to_string(wrong_as_sound) +
+      " of these not said to be doubtful), " + std::to_string(other) + " on a second hand; " +
+      std::to_string(changes) + " changes of state between them, " +
+      number(open > 0 ? 100.0 * changes / open : kUnknown, 1) +
+      " in a hundred; an object on it comes or goes " + std::to_string(shown_changes) +
+      " times. Of poses shown as sound, " + std::to_string(jumps) +
+      " leap by over a fifth of the distance and " + std::to_string(unsound) +
+      " are by truth far off. Of " + std::to_string(handless) +
+      " frames without an outstretched hand, " + std::to_string(falsely) +
+      " tracked.\n\n| over sequences | median | worst tenth | worst |\n"
+      "| --- | --: | --: | --: |\n";
   for (const Column& c : kColumns) text += row(c, figures);
   return text + "\n";
 }
@@ -108,16 +111,16 @@ bool is_worse(const FootageFigures& a, const FootageFigures& b) {
 
 std::string sequences_csv(const std::vector<FootageFigures>& figures) {
   std::string text =
-      "group,sequence,frames,open_frames,right,wrong,wrong_as_sound,on_other_hand,handless_frames,"
-      "falsely_tracked,state_changes,jumps,unsound";
+      "group,sequence,frames,open_frames,right,wrong,right_as_sound,wrong_as_sound,on_other_hand,"
+      "handless_frames,falsely_tracked,state_changes,shown_changes,jumps,unsound";
   for (const Column& c : kColumns)
     text += "," + csv_field(std::string(c.name) + " (" + c.unit + ")");
   text += "\n";
   for (const FootageFigures& f : figures) {
     text += csv_field(f.group) + "," + csv_field(f.name);
-    for (const int n : {f.frames, f.open_frames, f.right, f.wrong, f.wrong_as_sound,
-                        f.on_other_hand, f.handless_frames, f.falsely_tracked, f.state_changes,
-                        f.jumps, f.unsound})
+    for (const int n : {f.frames, f.open_frames, f.right, f.wrong, f.right_as_sound,
+                        f.wrong_as_sound, f.on_other_hand, f.handless_frames, f.falsely_tracked,
+                        f.state_changes, f.shown_changes, f.jumps, f.unsound})
       text += "," + std::to_string(n);
     for (const Column& c : kColumns) text += "," + csv_number(c.value(f));
     text += "\n";

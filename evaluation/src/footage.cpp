@@ -56,13 +56,16 @@ class Counter {
     const bool tracked = r.state == State::tracking;
     ++figures_.frames;
     figures_.open_frames += open;
+    const bool shown = is_shown_as_sound(r);
     figures_.right += open && tracked && right;
+    figures_.right_as_sound += open && shown && right;
     figures_.on_other_hand += open && on_other_hand;
     const bool wrong = open && tracked && !right && !on_other_hand;
     figures_.wrong += wrong;
-    figures_.wrong_as_sound += wrong && is_shown_as_sound(r);
-    figures_.state_changes += open && previous_ && *previous_ != r.state;
-    previous_ = open ? std::optional(r.state) : std::nullopt;
+    figures_.wrong_as_sound += wrong && shown;
+    figures_.state_changes += open && previous_ && previous_->state != r.state;
+    figures_.shown_changes += open && previous_ && previous_->shown != shown;
+    previous_ = open ? std::optional(Frame{r.state, shown}) : std::nullopt;
     count_jump(r);
     (tracked ? tracking_ms_ : searching_ms_).push_back(r.times.total_ms);
   }
@@ -90,8 +93,12 @@ class Counter {
     sound_at_m_ = at_m;
   }
 
+  struct Frame {
+    State state;
+    bool shown;
+  };
   FootageFigures& figures_;
-  std::optional<State> previous_;
+  std::optional<Frame> previous_;              // if the hand was open in it
   std::optional<Eigen::Vector3d> sound_at_m_;  // of the frame before
   std::vector<double> tracking_ms_, searching_ms_;
 };

@@ -31,10 +31,11 @@ std::vector<Footage> find_footage(const std::filesystem::path& tree,
 struct FootageFigures {
   std::string group, name;
   int frames = 0, open_frames = 0, right = 0, wrong = 0;
-  int wrong_as_sound = 0;                        ///< of the wrong ones, those not said to be doubtful
+  int right_as_sound = 0, wrong_as_sound = 0;    ///< of these, those not said to be doubtful
   int on_other_hand = 0;                         ///< open frames in which a second hand is tracked
   int handless_frames = 0, falsely_tracked = 0;  ///< a clip that never shows an open hand: all
   int state_changes = 0;                         ///< between open frames
+  int shown_changes = 0;  ///< between these, how often an object on the hand comes or goes
   /// Of two frames in a row that are shown as sound (tracked, not doubtful): how often the hand
   /// leaps by more than a fifth of its distance.
   int jumps = 0;
