@@ -218,26 +218,31 @@ Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearanc
   return a;
 }
 
-std::optional<double> Aligner::share_of_hand(const ImageView& frame, const Camera& camera,
-                                             Appearance appearance, const HandState& state,
-                                             int part) const noexcept {
+PartShares Aligner::shares_of_hand(const ImageView& frame, const Camera& camera,
+                                   Appearance appearance, const HandState& state) const noexcept {
   const PixelReader reader(frame);
-  const Inside points = points_inside(posed_figure(appearance, state), part);
-  std::array<ColorBin, kMostInside> bins{};
-  std::size_t count = 0;
-  for (int i = 0; i < kMostInside; ++i) {
-    const Eigen::Vector3d p = state.T_camera_hand * points.col(i);
-    if (!(p.z() > 0)) continue;
-    const Eigen::Vector2f px = camera.project(p).cast<float>();
-    if (!reader.covers(px.x(), px.y())) continue;
-    bins[count++] = reader.bin(static_cast<int>(px.x() + 0.5f), static_cast<int>(px.y() + 0.5f));
+  const PosedFigure posed = posed_figure(appearance, state);
+  PartShares shares;
+  for (int part = 0; part <= kFingerCount; ++part) {
+    const Inside points = points_inside(posed, part);
+    std::array<ColorBin, kMostInside> bins{};
+    std::size_t count = 0;
+    for (int i = 0; i < kMostInside; ++i) {
+      const Eigen::Vector3d p = state.T_camera_hand * points.col(i);
+      if (!(p.z() > 0)) continue;
+      const Eigen::Vector2f px = camera.project(p).cast<float>();
+      if (!reader.covers(px.x(), px.y())) continue;
+      bins[count++] = reader.bin(static_cast<int>(px.x() + 0.5f), static_cast<int>(px.y() + 0.5f));
+    }
+    if (2 * count < kMostInside) continue;
+    // By the palm's colours: a finger's own are those of what it was laid on.
+    std::array<float, kMostInside> ratios{};
+    impl_->colors.log_ratios(kFingerCount, {bins.data(), count}, ratios);
+    shares[part] = static_cast<double>(std::count_if(ratios.begin(), ratios.begin() + count,
+                                                     [](float ratio) { return ratio > 0; })) /
+                   static_cast<double>(count);
   }
-  if (2 * count < kMostInside) return std::nullopt;
-  std::array<float, kMostInside> ratios{};
-  impl_->colors.log_ratios(part, {bins.data(), count}, ratios);
-  return static_cast<double>(std::count_if(ratios.begin(), ratios.begin() + count,
-                                           [](float ratio) { return ratio > 0; })) /
-         static_cast<double>(count);
+  return shares;
 }
 
 void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance appearance,

@@ -63,30 +63,23 @@ constexpr double kFistBetter = 5;
 // It must explain about as much itself as what is no hand, little of whose outline is told from
 // inside: with less, fingers that open again would pull the palm with them.
 constexpr double kLeastFist = -0.5;
-// A finger is where it is expected when this share of its inside has the hand's colours, and gone
-// when no more than this has.
-constexpr double kThere = 0.7, kGone = 0.2;
 // So long a posture leads before it counts.
 constexpr double kConfirm_s = 0.1;
 
-using Shares = std::array<std::optional<double>, kFingerCount + 1>;  // of each part; the palm last
-bool there(std::optional<double> share) { return share.value_or(0) >= kThere; }
-bool gone(std::optional<double> share) { return share.value_or(1) <= kGone; }
-
 /// How many of the fingers but the thumb are gone.
-int gone_fingers(const Shares& shares) {
-  return static_cast<int>(std::count_if(shares.begin() + 1, shares.begin() + kFingerCount,
-                                        [](std::optional<double> share) { return gone(share); }));
+int gone_fingers(const PartShares& shares) {
+  return static_cast<int>(
+      std::count_if(shares.begin() + 1, shares.begin() + kFingerCount, is_gone));
 }
-bool is_fist(const Shares& shares) {
-  return there(shares[kFingerCount]) && gone(shares[kThumb]) &&
+bool is_fist(const PartShares& shares) {
+  return is_there(shares[kFingerCount]) && is_gone(shares[kThumb]) &&
          gone_fingers(shares) == kFingerCount - 1;
 }
-bool is_folding(const Shares& shares) {
-  return there(shares[kFingerCount]) && gone_fingers(shares) >= 2;
+bool is_folding(const PartShares& shares) {
+  return is_there(shares[kFingerCount]) && gone_fingers(shares) >= 2;
 }
-bool is_four(const Shares& shares) {
-  return gone(shares[kThumb]) && std::all_of(shares.begin() + 1, shares.end(), there);
+bool is_four(const PartShares& shares) {
+  return is_gone(shares[kThumb]) && std::all_of(shares.begin() + 1, shares.end(), is_there);
 }
 
 }  // namespace
@@ -159,14 +152,11 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& p
   }
 }
 
-Gestures::Shares Gestures::shares(const HandState& state, const ImageView& frame,
-                                  const Camera& camera, const Aligner& aligner) const noexcept {
+PartShares Gestures::shares(const HandState& state, const ImageView& frame, const Camera& camera,
+                            const Aligner& aligner) const noexcept {
   HandState outstretched = state;
   outstretched.posture = {};
-  Shares shares;
-  for (int part = 0; part <= kFingerCount; ++part)
-    shares[part] = aligner.share_of_hand(frame, camera, hand_.appearance, outstretched, part);
-  return shares;
+  return aligner.shares_of_hand(frame, camera, hand_.appearance, outstretched);
 }
 
 Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, const Camera& camera,

@@ -60,9 +60,8 @@ class Gestures {
                  const TrackerConfig& config, const Aligner& aligner) const noexcept;
   /// Of each finger's place when outstretched, and of the palm's (the last), the share that has the
   /// hand's colours; empty where it is out of the frame.
-  using Shares = std::array<std::optional<double>, kFingerCount + 1>;
-  Shares shares(const HandState& state, const ImageView& frame, const Camera& camera,
-                const Aligner& aligner) const noexcept;
+  PartShares shares(const HandState& state, const ImageView& frame, const Camera& camera,
+                    const Aligner& aligner) const noexcept;
   void lead(Gesture posture, double dt_s) noexcept;
 
   Hypothesis hand_;                        ///< as last seen, open or folded; moving as is usual

@@ -79,6 +79,11 @@ void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
   if (!seen.hypotheses.follow(frame, camera, dt_s, config, aligner) || follows_hand_of_other())
     seen.hypotheses.clear();
   tell_from_other();
+  if (!has_hand()) return;
+  const Hypothesis& best = seen.hypotheses.best();
+  const PartShares shares =
+      aligner.shares_of_hand(frame, camera, best.appearance, best.alignment.state);
+  seen.whole = std::none_of(shares.begin(), shares.end(), is_gone);
 }
 
 void HandTracker::Impl::compare_postures(const ImageView& frame, double dt_s) noexcept {
@@ -89,6 +94,7 @@ void HandTracker::Impl::compare_postures(const ImageView& frame, double dt_s) no
   if (gestures.folded()) seen.hypotheses.clear();
   if (gestures.opened()) {
     seen.hypotheses.resume(gestures.hand());
+    seen.whole = true;
     seen.belief = config.belief.believe + config.belief.most_frame;
   }
 }
@@ -193,9 +199,12 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
       seen.read_otherwise |= reading == Reading::otherwise && candidate.log_odds > 0;
       continue;
     }
+    const bool stays = has_hand() && stays_at(fresh.best());
     seen.hypotheses = fresh;
-    seen.read_otherwise = false;
     std::swap(aligner, scout);
+    if (stays) return;  // the same hand in the same place, only laid anew
+    seen.whole = true;
+    seen.read_otherwise = false;
     seen.filter.reset();
     seen.own_layout = candidate.layout;
     if (seen.state == State::tracking) seen.changed_s = seen.time_s;
@@ -204,8 +213,14 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
   }
 }
 
+bool HandTracker::Impl::stays_at(const Hypothesis& fresh) const noexcept {
+  const HandVector moved = seen.hypotheses.best().alignment.state.difference(fresh.alignment.state);
+  return place_of(fresh).same_tips(followed()) && moved.head<3>().norm() < config.belief.doubt_rad;
+}
+
 bool HandTracker::Impl::holds_hand() const noexcept {
-  return has_hand() && seen.hypotheses.best().alignment.log_ratio >= config.belief.seen;
+  return has_hand() && seen.whole &&
+         seen.hypotheses.best().alignment.log_ratio >= config.belief.seen;
 }
 
 void HandTracker::Impl::believe(double dt_s) noexcept {
@@ -213,8 +228,9 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
   const bool is_seen = has_hand();
   if (is_seen) {
     const double share = std::clamp(dt_s / limits.same_s, 0.0, 1.0);
-    seen.belief = std::min(
-        seen.belief + share * evidence_of(seen.hypotheses.best().alignment, limits), limits.most);
+    const double says =
+        seen.whole ? evidence_of(seen.hypotheses.best().alignment, limits) : -limits.most_frame;
+    seen.belief = std::min(seen.belief + share * says, limits.most);
   }
   const bool was = has_followed();
   if (!is_seen || seen.belief < limits.give_up) {
@@ -260,7 +276,7 @@ void HandTracker::Impl::filter(TrackResult& result) noexcept {
 
 void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
   const Hypothesis& best = seen.hypotheses.best();
-  if (best.alignment.log_ratio < config.belief.seen) return;
+  if (!holds_hand()) return;
   constexpr double kMargin_m = 0.0011;  // blur: the boundary's own colours are neither side's
   const double keep = std::exp(-dt_s / config.learning.colors_s);
   aligner.learn(frame, camera, best.appearance, best.alignment.state, static_cast<float>(keep),

@@ -29,6 +29,7 @@ struct TrackerState {
   /// The finder's last look read the hand that is followed otherwise, and the picture not.
   bool read_otherwise = false;
   Hypotheses hypotheses;
+  bool whole = false;  ///< no part of the likeliest is gone
   Gestures gestures;
   Person person;         ///< as last learned; a new hand begins with it
   double learned_s = 0;  ///< for how long the person's figure has been learned
@@ -69,13 +70,15 @@ struct HandTracker::Impl {
   double verdict() const noexcept;  ///< of the finder on the hand that is followed, log odds
   void find(const ImageView& frame, bool only_there) noexcept;
   void begin(const ImageView& frame) noexcept;
+  /// Whether a hand that is begun anew lies where the followed one does, but for what is doubtful.
+  bool stays_at(const Hypothesis& fresh) const noexcept;
 
   /// Shares the view with one other tracker, or with none.
   void share_view(Impl* with) noexcept;
   bool has_hand() const noexcept { return seen.hypotheses.size() > 0; }
   /// Whether a hand is followed or was lost a short while ago.
   bool has_followed() const noexcept;
-  /// Whether the hand was not lost from the last frame to this one.
+  /// Whether the followed hand is seen to lie where it is followed, whole.
   bool holds_hand() const noexcept;
   /// Whether a candidate is the hand that the other tracker follows.
   bool is_of_other(const HandCandidate& candidate) const noexcept;

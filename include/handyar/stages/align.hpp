@@ -91,6 +91,16 @@ struct Alignment {
 /// The pose's part of a state's information, the rest marginalised out (Schur complement).
 Matrix6d pose_information(const HandMatrix& information) noexcept;
 
+/// Shares of the hand's parts, the fingers and last the palm, 0 to 1; empty where most of a part is
+/// out of the frame.
+using PartShares = std::array<std::optional<double>, kFingerCount + 1>;
+
+/// Whether a part is where it is expected, or gone. Of hands in photographs and rendered ones every
+/// part has at least 0.6 of the palm's colours (but for one frame in fifty), of a thumb that is
+/// folded in no more than 0.25 lies there.
+inline bool is_there(std::optional<double> share) { return share.value_or(0) >= 0.4; }
+inline bool is_gone(std::optional<double> share) { return share.value_or(1) < 0.4; }
+
 /// Lays a hand figure on pictures, by the colours on both sides of its outline and by edges, and
 /// learns the colours. Region-based tracking with sparse lines after Stoiber et al., "SRT3D"
 /// (IJCV 2022), with fingers that move and an outline that may lie outside the figure's.
@@ -121,12 +131,10 @@ class Aligner {
   void learn_texture(const ImageView& frame, const Camera& camera, Appearance appearance,
                      const Alignment& alignment, double blend, double views) noexcept;
 
-  /// Of the inside of a part of a state's figure, a finger from its middle joint on or the palm
-  /// (kFingerCount), the share that has the hand's colours; empty where most of it is out of the
-  /// frame.
-  std::optional<double> share_of_hand(const ImageView& frame, const Camera& camera,
-                                      Appearance appearance, const HandState& state,
-                                      int part) const noexcept;
+  /// Which parts of a state's figure are there: of the inside of each finger from its middle joint
+  /// on, and of the palm (the last), the share that has the palm's colours.
+  PartShares shares_of_hand(const ImageView& frame, const Camera& camera, Appearance appearance,
+                            const HandState& state) const noexcept;
 
   /// The outline of the last alignment. Valid until the next call.
   std::span<const OutlinePoint> outline() const noexcept;
