@@ -96,6 +96,35 @@ TEST(Aligner, HandsAndRoomsOfAnyColourAreToldApart) {
   }
 }
 
+TEST(Aligner, AFingerThatIsNotThereHasNotThePalmsColours) {
+  Scene scene;
+  for (bool folded : {false, true}) {
+    test::DrawnHand shown = scene.hand;
+    if (folded) shown.state.posture = {{-0.75, 0, 0, 0, 0}, {0.95, 0, 0, 0, 0}};
+    scene.picture = test::Picture(640, 480);
+    scene.picture.texture(24, "Scene");
+    scene.picture.paint(shown, scene.camera, shown.state.T_camera_hand);
+    scene.picture.add_noise(4, 1);
+    // As one that takes what lies there for an open hand has learned them.
+    scene.aligner.forget();
+    scene.aligner.learn(scene.picture.view(), scene.camera, scene.hand.appearance, scene.hand.state,
+                        0, 0.002);
+    const PartShares shares = scene.aligner.shares_of_hand(scene.picture.view(), scene.camera,
+                                                           scene.hand.appearance, scene.hand.state);
+    for (int part = 0; part <= kFingerCount; ++part) {
+      ASSERT_TRUE(shares[part]) << part;
+      EXPECT_EQ(is_gone(shares[part]), folded && part == 0) << part << ": " << *shares[part];
+    }
+  }
+  HandState away = scene.hand.state;
+  away.T_camera_hand.translation().x() += 5;
+  for (const std::optional<double>& share : scene.aligner.shares_of_hand(
+           scene.picture.view(), scene.camera, scene.hand.appearance, away)) {
+    EXPECT_FALSE(share);
+    EXPECT_FALSE(is_there(share) || is_gone(share)) << "nobody knows";
+  }
+}
+
 TEST(Aligner, TheOutlineReportedIsWhereTheHandEnds) {
   Scene scene;
   const Alignment a = scene.align(scene.hand.state);

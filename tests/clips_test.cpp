@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <sstream>
 
 #include "handyar/evaluation/accuracy.hpp"
@@ -170,6 +171,28 @@ TEST(Clips, PalmAndBackOfAStrangersHandAreToldApart) {
     EXPECT_GT(tracked, 20) << clip;
     EXPECT_GE(100 * right, 98 * tracked) << clip;
   }
+}
+
+// Whose outline is hardly told from the noise is followed as surely as the finder sees it: it was
+// begun anew in every second frame, and so doubtful in 80 of 200.
+TEST(Clips, AHandInPoorLightStaysShown) {
+  const auto source = io::open_input(data("sample/video.mp4"));
+  HandTracker tracker = strangers_tracker(*source);
+  cv::RNG random(1);
+  cv::Mat dim, noise;
+  int tracked = 0, doubtful = 0;
+  io::Frame frame;
+  while (source->read(frame)) {
+    frame.bgr.convertTo(dim, CV_16S, 0.4, 66);
+    noise.create(dim.size(), dim.type());
+    random.fill(noise, cv::RNG::NORMAL, 0, 10);
+    cv::Mat(dim + noise).convertTo(frame.bgr, CV_8U);
+    const TrackResult r = tracker.process(frame.view(), frame.time_s);
+    tracked += r.state == State::tracking;
+    doubtful += r.doubtful;
+  }
+  EXPECT_GE(tracked, 190);
+  EXPECT_LE(doubtful, 20);
 }
 
 TEST(Clips, WallOfAlmostSkinColour) {
