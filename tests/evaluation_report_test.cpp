@@ -345,6 +345,9 @@ TEST(Footage, TreeIsJudgedSequenceBySequence) {
   EXPECT_GT(figures[1].open_frames, 20);
   EXPECT_GE(figures[1].right_percent(), 98.0);
   EXPECT_EQ(figures[1].wrong, 0);
+  EXPECT_LE(figures[1].right_as_sound, figures[1].right);
+  EXPECT_GE(figures[1].right_as_sound, 0.95 * figures[1].right);
+  EXPECT_LE(figures[1].shown_changes, 1);
   EXPECT_EQ(figures[1].jumps, 0);
   EXPECT_EQ(figures[1].unsound, 0);
 
