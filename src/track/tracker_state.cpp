@@ -81,9 +81,8 @@ void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
   tell_from_other();
   if (!has_hand()) return;
   const Hypothesis& best = seen.hypotheses.best();
-  const PartShares shares =
-      aligner.shares_of_hand(frame, camera, best.appearance, best.alignment.state);
-  seen.whole = std::none_of(shares.begin(), shares.end(), is_gone);
+  seen.whole = std::ranges::none_of(
+      aligner.shares_of_hand(frame, camera, best.appearance, best.alignment.state), is_gone);
 }
 
 void HandTracker::Impl::compare_postures(const ImageView& frame, double dt_s) noexcept {
@@ -225,15 +224,14 @@ bool HandTracker::Impl::holds_hand() const noexcept {
 
 void HandTracker::Impl::believe(double dt_s) noexcept {
   const BeliefConfig& limits = config.belief;
-  const bool is_seen = has_hand();
-  if (is_seen) {
+  if (has_hand()) {
     const double share = std::clamp(dt_s / limits.same_s, 0.0, 1.0);
     const double says =
         seen.whole ? evidence_of(seen.hypotheses.best().alignment, limits) : -limits.most_frame;
     seen.belief = std::min(seen.belief + share * says, limits.most);
   }
   const bool was = has_followed();
-  if (!is_seen || seen.belief < limits.give_up) {
+  if (!has_hand() || seen.belief < limits.give_up) {
     seen.hypotheses.clear();
     seen.belief = 0;
     constexpr double kRemember_s = 3.0;
