@@ -59,7 +59,7 @@ class Gestures {
   Gesture choose(const Hypothesis* tracked, const ImageView& frame, const Camera& camera,
                  const TrackerConfig& config, const Aligner& aligner) const noexcept;
   /// Of each finger's place when outstretched, and of the palm's (the last), the share that has the
-  /// hand's colours; empty where it is out of the frame.
+  /// palm's colours; empty where it is out of the frame.
   PartShares shares(const HandState& state, const ImageView& frame, const Camera& camera,
                     const Aligner& aligner) const noexcept;
   void lead(Gesture posture, double dt_s) noexcept;
