@@ -66,7 +66,7 @@ class Counter {
     figures_.state_changes += open && previous_ && previous_->state != r.state;
     figures_.shown_changes += open && previous_ && previous_->shown != shown;
     previous_ = open ? std::optional(Frame{r.state, shown}) : std::nullopt;
-    count_jump(r);
+    count_jump(r, shown);
     (tracked ? tracking_ms_ : searching_ms_).push_back(r.times.total_ms);
   }
 
@@ -82,8 +82,8 @@ class Counter {
   }
 
  private:
-  void count_jump(const TrackResult& r) {
-    if (!is_shown_as_sound(r)) {
+  void count_jump(const TrackResult& r, bool shown) {
+    if (!shown) {
       sound_at_m_.reset();
       return;
     }

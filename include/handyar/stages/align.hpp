@@ -95,11 +95,12 @@ Matrix6d pose_information(const HandMatrix& information) noexcept;
 /// out of the frame.
 using PartShares = std::array<std::optional<double>, kFingerCount + 1>;
 
-/// Whether a part is where it is expected, or gone. Of hands in photographs and rendered ones every
-/// part has at least 0.6 of the palm's colours (but for one frame in fifty), of a thumb that is
-/// folded in no more than 0.25 lies there.
-inline bool is_there(std::optional<double> share) { return share.value_or(0) >= 0.4; }
-inline bool is_gone(std::optional<double> share) { return share.value_or(1) < 0.4; }
+/// A part is where it is expected from this share on, and gone below. Right hands' fingers have 0.6
+/// and more in 83 photographs and in 95 % of the frames of each of eleven clips; a thumb that is
+/// folded in and was laid on the door behind has 0.25 in the median.
+inline constexpr double kThere = 0.4;
+inline bool is_there(std::optional<double> share) { return share && *share >= kThere; }
+inline bool is_gone(std::optional<double> share) { return share && *share < kThere; }
 
 /// Lays a hand figure on pictures, by the colours on both sides of its outline and by edges, and
 /// learns the colours. Region-based tracking with sparse lines after Stoiber et al., "SRT3D"
