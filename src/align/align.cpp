@@ -235,9 +235,9 @@ PartShares Aligner::shares_of_hand(const ImageView& frame, const Camera& camera,
       bins[count++] = reader.bin(static_cast<int>(px.x() + 0.5f), static_cast<int>(px.y() + 0.5f));
     }
     if (2 * count < kMostInside) continue;
-    // By the palm's colours: a finger's own are those of what it was laid on.
+    // By the rest of the hand's colours: a finger's own are those of what it was laid on.
     std::array<float, kMostInside> ratios{};
-    impl_->colors.log_ratios(kFingerCount, {bins.data(), count}, ratios);
+    impl_->colors.log_ratios_by_rest(part, {bins.data(), count}, ratios);
     shares[part] = static_cast<double>(std::count_if(ratios.begin(), ratios.begin() + count,
                                                      [](float ratio) { return ratio > 0; })) /
                    static_cast<double>(count);

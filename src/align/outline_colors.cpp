@@ -15,6 +15,7 @@ constexpr float kOwn = 0.6f;
 constexpr float kUnseen = 2e-4f;
 // Samples lie on their bin and its neighbours, so that colours a little off are known.
 constexpr float kCentre = 0.4f, kNeighbour = 0.1f;
+constexpr float kTiny = 1e-20f;
 
 }  // namespace
 
@@ -61,7 +62,6 @@ void OutlineColors::add(int part, ColorBin bin, bool hand) noexcept {
 }
 
 void OutlineColors::finish() noexcept {
-  constexpr float kTiny = 1e-20f;
   for (int t = 0; t < kTables; ++t) {
     const float share = t == kTogether ? 1 - kOwn : kOwn;
     shares_[t] = {share / (totals_[t].hand + kTiny), share / (totals_[t].background + kTiny)};
@@ -84,6 +84,22 @@ void OutlineColors::log_ratios(int part, std::span<const ColorBin> bins,
   std::array<float, kMostAsked> ratio;
   for (int i = 0; i < kMostAsked; ++i) ratio[i] = fast_log(hand[i] / background[i]);
   std::copy_n(ratio.begin(), bins.size(), out.begin());
+}
+
+void OutlineColors::log_ratios_by_rest(int part, std::span<const ColorBin> bins,
+                                       std::span<float> out) const noexcept {
+  const Counts &own = totals_[part], &all = totals_[kTogether];
+  const auto share = [](float of_all, float of_own, float all_samples, float own_samples) {
+    return std::max(of_all - of_own, 0.0f) / (std::max(all_samples - own_samples, 0.0f) + kTiny) +
+           kUnseen;
+  };
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    const Counts& own_bin = bins_[bins[i]].tables[part];
+    const Counts& all_bin = bins_[bins[i]].tables[kTogether];
+    out[i] =
+        fast_log(share(all_bin.hand, own_bin.hand, all.hand, own.hand) /
+                 share(all_bin.background, own_bin.background, all.background, own.background));
+  }
 }
 
 }  // namespace handyar

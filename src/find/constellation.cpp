@@ -46,8 +46,7 @@ constexpr float kFreedom = 6.0f;
 constexpr float kLeastSpan = 3.0f;
 // Two palms nearer than this share of a span are one hand.
 constexpr float kSameHand = 0.35f;
-// A hand whose log odds are less is not worth the time of laying a figure on it: of a door and four
-// fingers one is believed for 9 frames at -2.
+// A hand whose log odds are less is not worth the time of laying a figure on it.
 constexpr float kLeastOdds = -1.0f;
 // What a fingertip that is not seen adds to the sum of all.
 constexpr float kMissingTip = kOdds[4] / kOdds[2];

@@ -60,6 +60,8 @@ struct HandTracker::Impl {
   const Hypothesis* in_view() const noexcept;
   void reset() noexcept;
 
+  /// Whether no part of a hand is gone, by the colours that were learned with it.
+  bool is_whole(const Hypothesis& its, const ImageView& frame, const Aligner& by) const noexcept;
   HandPlace place_of(const Hypothesis& its) const noexcept;
   HandPlace followed() const noexcept { return place_of(seen.hypotheses.best()); }
   /// How the finder reads the place where a hand is followed.
@@ -68,6 +70,9 @@ struct HandTracker::Impl {
   /// The hand that is followed as the finder sees it; null where it does not.
   const HandCandidate* seen_again() const noexcept;
   double verdict() const noexcept;  ///< of the finder on the hand that is followed, log odds
+  /// What a figure says of there being an open hand, log odds; one that lacks a part speaks against
+  /// it as loudly as a frame can.
+  double evidence_of(const Alignment& alignment, bool whole) const noexcept;
   void find(const ImageView& frame, bool only_there) noexcept;
   void begin(const ImageView& frame) noexcept;
   /// Whether a hand that is begun anew lies where the followed one does, but for what is doubtful.

@@ -22,7 +22,7 @@ LEAST_SPAN = 3.0  # cells
 MOST_CANDIDATES, SAME_HAND = 4, 0.35
 # Real rooms hold so many times more that is like a hand than these pictures do, and of hands that
 # count or grasp, which lack a finger, so many times more again.
-OTHER_ROOMS, OTHER_HANDS = 4.0, 4.0
+OTHER_ROOMS, OTHER_HANDS = 2.5, 4.0
 
 
 def sigmoid(x):

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "track/tracker_state.hpp"
+
+namespace handyar {
+namespace {
+
+// The finder reads a hand that is followed otherwise when only the palms are as near as this share
+// of the hand's reach.
+constexpr float kSamePalm = 0.8f;
+
+}  // namespace
+
+HandPlace HandTracker::Impl::place_of(const Hypothesis& its) const noexcept {
+  const HandState& state = its.alignment.state;
+  const PosedFigure posed = posed_figure(its.appearance, state);
+  HandPlace now;
+  const auto shown = [&](const Eigen::Vector3d& p) {
+    return camera.project(state.T_camera_hand * p).cast<float>().eval();
+  };
+  now.palm_px = shown(Eigen::Vector3d::Zero());
+  for (int f = 0; f < kFingerCount; ++f) now.tips_px[f] = shown(posed.tips_m.col(f));
+  return now;
+}
+
+HandTracker::Impl::Reading HandTracker::Impl::compare(const HandCandidate& candidate,
+                                                      const HandPlace& now) const noexcept {
+  if ((candidate.palm_px - now.palm_px).norm() > kSamePalm * now.reach_px())
+    return Reading::elsewhere;
+  return candidate.same_tips(now) ? Reading::same : Reading::otherwise;
+}
+
+const HandCandidate* HandTracker::Impl::seen_again() const noexcept {
+  const HandPlace now = followed();
+  for (const HandCandidate& candidate : candidates)
+    if (candidate.log_odds > 0 && !is_of_other(candidate) &&
+        compare(candidate, now) != Reading::elsewhere)
+      return &candidate;
+  return nullptr;
+}
+
+double HandTracker::Impl::verdict() const noexcept {
+  const HandPlace now = followed();
+  double says = config.belief.give_up;  // unseen: it may be too tilted, or half hidden
+  for (const HandCandidate& candidate : candidates) {
+    if (is_of_other(candidate)) continue;
+    const Reading reading = compare(candidate, now);
+    if (reading == Reading::same) return candidate.log_odds;
+    if (reading == Reading::otherwise && candidate.log_odds > 0) says = 0;
+  }
+  return says;
+}
+
+void HandTracker::Impl::find(const ImageView& frame, bool only_there) noexcept {
+  if (only_there) {
+    constexpr float kReaches = 3.9f;
+    const HandPlace now = followed();
+    candidates = finder.look(frame, now.region(kReaches * now.reach_px()));
+    if (verdict() > 0) return;
+  }
+  candidates = finder.search(frame);
+}
+
+void HandTracker::Impl::look(const ImageView& frame) noexcept {
+  const BeliefConfig& limits = config.belief;
+  const bool had = has_hand();
+  const bool folded = seen.gestures.gesture() != Gesture::open;
+  const bool sure =
+      folded || (holds_hand() && seen.state == State::tracking && !seen.read_otherwise);
+  const double since_s = seen.time_s - seen.looked_s;
+  if ((sure && since_s < limits.same_s) || (!had && !may_search())) return;
+  seen.looked_s = seen.time_s;
+  find(frame, had);
+  if (had) {
+    const double share = std::min(1.0, since_s / limits.same_s);
+    seen.belief += share * std::clamp(verdict(), -limits.most_frame, limits.most_frame);
+    seen.hypotheses.expect(seen_again(), camera, share, limits);
+  }
+  seen.read_otherwise = false;
+  begin(frame);
+}
+
+void HandTracker::Impl::begin(const ImageView& frame) noexcept {
+  const bool had = holds_hand();
+  const double followed_ratio = had ? seen.hypotheses.best().alignment.log_ratio : 0;
+  const double belief =
+      had ? seen.belief + evidence_of(seen.hypotheses.best().alignment, seen.whole) : 0;
+  for (const HandCandidate& candidate : candidates) {
+    const Reading reading = had ? compare(candidate, followed()) : Reading::elsewhere;
+    if (reading == Reading::same || is_of_other(candidate) || is_for_other(candidate, reading) ||
+        (reading == Reading::elsewhere && candidate.log_odds + config.belief.most_frame < belief))
+      continue;
+    Hypotheses fresh;
+    if (!fresh.begin(candidate, frame, camera, seen.person, config, scout)) continue;
+    // Laid where the followed hand is, the picture shows no other reading of it.
+    if (reading == Reading::otherwise && place_of(fresh.best()).same_tips(followed())) continue;
+    const Alignment& best = fresh.best().alignment;
+    const bool whole = is_whole(fresh.best(), frame, scout);
+    // Where an open hand may be folding, only another one is taken that is as good, and none where
+    // it is: with colours learned from what lies there a missing thumb looks as good as any.
+    if (seen.gestures.watches() && (seen.gestures.folded() || !seen.gestures.fits(best))) continue;
+    // Of two readings of one hand the picture decides, of two hands the one that is believed more.
+    const bool better = reading == Reading::otherwise
+                            ? best.log_ratio > followed_ratio
+                            : candidate.log_odds + evidence_of(best, whole) > belief;
+    if (!better) {
+      seen.read_otherwise |= reading == Reading::otherwise && candidate.log_odds > 0;
+      continue;
+    }
+    const bool stays = has_hand() && stays_at(fresh.best());
+    seen.hypotheses = fresh;
+    seen.whole = whole;
+    std::swap(aligner, scout);
+    if (stays) return;  // the same hand in the same place, only laid anew
+    seen.read_otherwise = false;
+    seen.filter.reset();
+    seen.own_layout = candidate.layout;
+    if (seen.state == State::tracking) seen.changed_s = seen.time_s;
+    if (reading == Reading::elsewhere) seen.belief = candidate.log_odds;
+    return;
+  }
+}
+
+bool HandTracker::Impl::stays_at(const Hypothesis& fresh) const noexcept {
+  const HandVector moved = seen.hypotheses.best().alignment.state.difference(fresh.alignment.state);
+  return place_of(fresh).same_tips(followed()) && moved.head<3>().norm() < config.belief.doubt_rad;
+}
+
+}  // namespace handyar
