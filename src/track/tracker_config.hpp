@@ -17,9 +17,8 @@ struct BeliefConfig {
   /// Frames err alike for so long: what they say counts by their time, the finder is asked this
   /// often about a hand that is followed surely, and one that is read otherwise is doubtful.
   double same_s = 0.2;
-  /// Log ratio of a frame from which on a figure is seen to lie on a hand, and speaks for one.
-  /// Right ones have 6 to 9 in dim rooms and more in others, those that have strayed about 4 and
-  /// less (real clips).
+  /// Log ratio of a frame from which on a figure is seen to lie on a hand. Right ones have 6 to 9
+  /// in dim rooms and more in others, those that have strayed about 4 and less (real clips).
   double seen = 5.0;
   double doubt_rad =
       0.2;  ///< a pose whose orientation is less sure (standard deviation) is doubtful
