@@ -237,8 +237,7 @@ PlaceDerivative Silhouette::tip_derivative(int finger) const noexcept {
 }
 
 PlaceDerivative Silhouette::root_derivative(int finger) const noexcept {
-  return place_derivative(finger, sphere_of(finger, 0),
-                          Eigen::Matrix<double, 2, 3>::Identity());
+  return place_derivative(finger, sphere_of(finger, 0), Eigen::Matrix<double, 2, 3>::Identity());
 }
 
 PlaceDerivative Silhouette::place_derivative(
