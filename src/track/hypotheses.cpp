@@ -51,14 +51,20 @@ void turn_over(Hypothesis& h) {
 
 }  // namespace
 
-void Hypotheses::sort_and_prune(double most) noexcept {
+void Hypotheses::sort_and_prune(const BeliefConfig& belief) noexcept {
   // In place: the library's stable sort takes memory.
-  const auto likelier = [](const auto& a, const auto& b) { return a.log_weight > b.log_weight; };
+  const auto weight = [&](const Hypothesis& h) {
+    return h.log_weight + (h.leads ? belief.believe : 0);
+  };
+  const auto likelier = [&](const auto& a, const auto& b) { return weight(a) > weight(b); };
   for (auto item = items_.begin(); item != items_.begin() + count_; ++item)
     std::rotate(std::upper_bound(items_.begin(), item, *item, likelier), item, item + 1);
-  while (count_ > 1 && items_[count_ - 1].log_weight < items_[0].log_weight - most) --count_;
+  while (count_ > 1 && items_[count_ - 1].log_weight < items_[0].log_weight - belief.most) --count_;
   const double best = count_ > 0 ? items_[0].log_weight : 0;
-  for (int i = 0; i < count_; ++i) items_[i].log_weight -= best;
+  for (int i = 0; i < count_; ++i) {
+    items_[i].log_weight -= best;
+    items_[i].leads = i == 0;
+  }
 }
 
 void Hypotheses::resume(const Hypothesis& hypothesis) noexcept {
@@ -83,8 +89,10 @@ void Hypotheses::keep_distinct(const Hypothesis& h) noexcept {
     items_[count_++] = h;
     return;
   }
+  const bool leads = rival != end && (rival->leads || h.leads);
   if (rival == end) rival = std::min_element(items_.data(), end, least);
   if (least(*rival, h)) *rival = h;
+  rival->leads |= leads;
 }
 
 namespace {
@@ -151,10 +159,11 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       beginning.settle(h, prior, kRoughly_m, kStay);
       rough.keep_distinct(h);
     }
-    rough.sort_and_prune(config.belief.most);
+    rough.sort_and_prune(config.belief);
     // From here on the picture alone tells whether there is a hand: held by a thumb that the finder
     // only thinks is there, a figure lies on four fingers as well as on five.
     for (Hypothesis& h : std::span(rough.items_.data(), rough.count_)) {
+      h.leads = false;
       const HandPrior prior = beginning.prior_at(h.alignment.state.T_camera_hand);
       beginning.settle(h, prior, kFinely_m, 0);
       keep_distinct(h);
@@ -165,7 +174,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     }
   }
   expect(&candidate, camera, 1, config.belief);
-  sort_and_prune(config.belief.most);
+  sort_and_prune(config.belief);
   return count_ > 0;
 }
 
@@ -222,7 +231,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
   const Hypotheses followed = *this;
   count_ = 0;
   for (const Hypothesis& h : std::span(followed.items_.data(), followed.count_)) keep_distinct(h);
-  sort_and_prune(config.belief.most);
+  sort_and_prune(config.belief);
   since_reconsidered_s_ += dt_s;
   if (since_reconsidered_s_ > kReconsider_s) {
     since_reconsidered_s_ = 0;

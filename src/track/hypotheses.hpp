@@ -21,10 +21,12 @@ struct Hypothesis {
   Alignment alignment;
   Person person;                       ///< as it sees them
   double log_weight = 0;               ///< evidence so far, nats
+  bool leads = false;                  ///< it is the one that is reported
   std::optional<SeenFingers> fingers;  ///< as the finder last saw them
 };
 
-/// The ways to see the hand that are still possible; the likeliest first. Empty: no hand.
+/// The ways to see the hand that are still possible; the one that is reported first. Empty: no
+/// hand.
 class Hypotheses {
  public:
   static constexpr int kMost = 4;
@@ -64,8 +66,9 @@ class Hypotheses {
   /// Adds a way to see the hand, in the place of one that is nearly the same or of the least likely
   /// one where there is no room, unless these are likelier.
   void keep_distinct(const Hypothesis& hypothesis) noexcept;
-  /// The likeliest first; what is less likely than it by more than `most` nats is given up.
-  void sort_and_prune(double most) noexcept;
+  /// The one that leads first, unless another is likelier by as much as a hand is believed with,
+  /// then the likeliest; what is less likely than the first by `most` nats is given up.
+  void sort_and_prune(const BeliefConfig& belief) noexcept;
 
   std::array<Hypothesis, kMost> items_;
   int count_ = 0;
