@@ -51,7 +51,7 @@ class Hypotheses {
   bool follow(const ImageView& frame, const Camera& camera, double dt_s,
               const TrackerConfig& config, Aligner& aligner) noexcept;
 
-  /// How far the others lie from the likeliest, each by its probability (second moment of the pose
+  /// How far the others lie from the best, each by its probability (second moment of the pose
   /// about it): what not knowing which of them is right adds to its covariance.
   Matrix6d spread() const noexcept;
 
