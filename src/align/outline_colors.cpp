@@ -15,6 +15,7 @@ constexpr float kOwn = 0.6f;
 constexpr float kUnseen = 2e-4f;
 // Samples lie on their bin and its neighbours, so that colours a little off are known.
 constexpr float kCentre = 0.4f, kNeighbour = 0.1f;
+// No division by the samples of what was not seen yet.
 constexpr float kTiny = 1e-20f;
 
 }  // namespace

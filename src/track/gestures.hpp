@@ -58,8 +58,7 @@ class Gestures {
   /// The posture that explains the picture; open where none does surely.
   Gesture choose(const Hypothesis* tracked, const ImageView& frame, const Camera& camera,
                  const TrackerConfig& config, const Aligner& aligner) const noexcept;
-  /// Of each finger's place when outstretched, and of the palm's (the last), the share that has the
-  /// palm's colours; empty where it is out of the frame.
+  /// Aligner::shares_of_hand where fingers would be if they were outstretched.
   PartShares shares(const HandState& state, const ImageView& frame, const Camera& camera,
                     const Aligner& aligner) const noexcept;
   void lead(Gesture posture, double dt_s) noexcept;

@@ -96,10 +96,10 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     // Laid where the followed hand is, the picture shows no other reading of it.
     if (reading == Reading::otherwise && place_of(fresh.best()).same_tips(followed())) continue;
     const Alignment& best = fresh.best().alignment;
-    const bool whole = is_whole(fresh.best(), frame, scout);
     // Where an open hand may be folding, only another one is taken that is as good, and none where
     // it is: with colours learned from what lies there a missing thumb looks as good as any.
     if (seen.gestures.watches() && (seen.gestures.folded() || !seen.gestures.fits(best))) continue;
+    const bool whole = is_whole(fresh.best(), frame, scout);
     // Of two readings of one hand the picture decides, of two hands the one that is believed more.
     const bool better = reading == Reading::otherwise
                             ? best.log_ratio > followed_ratio
