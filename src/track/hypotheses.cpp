@@ -95,6 +95,13 @@ void Hypotheses::keep_distinct(const Hypothesis& h) noexcept {
   rival->leads |= leads;
 }
 
+void Hypotheses::keep_likely(const BeliefConfig& belief) noexcept {
+  const Hypotheses all = *this;
+  count_ = 0;
+  for (const Hypothesis& h : std::span(all.items_.data(), all.count_)) keep_distinct(h);
+  sort_and_prune(belief);
+}
+
 namespace {
 
 /// A hand that is begun in a frame, by a person's figure.
@@ -178,6 +185,22 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   return count_ > 0;
 }
 
+bool Hypotheses::lay_anew(const ImageView& frame, const Camera& camera,
+                          const TrackerConfig& config, Aligner& aligner) noexcept {
+  aligner.forget();
+  for (int i = count_ - 1; i >= 0; --i) {  // the best last: its colours are the ones to keep
+    Hypothesis& h = items_[i];
+    const double before = h.log_weight - share_of(kLongest_s, config) * h.alignment.log_posterior;
+    Beginning beginning{frame, camera, h.person, config, aligner};
+    const HandPrior prior = prior_around(h.alignment.state, h.person, kLongest_s, config);
+    beginning.settle(h, prior, kRoughly_m, kStay);
+    beginning.settle(h, prior, kFinely_m, 0);
+    h.log_weight += before;
+  }
+  keep_likely(config.belief);
+  return count_ > 0;
+}
+
 void Hypotheses::expect(const HandCandidate* seen, const Camera& camera, double share,
                         const BeliefConfig& belief) noexcept {
   for (Hypothesis& h : std::span(items_.data(), count_)) {
@@ -227,11 +250,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     turn_over(h);
     h.log_weight += share * h.alignment.log_posterior;
   }
-  // Those that have come to the same are one.
-  const Hypotheses followed = *this;
-  count_ = 0;
-  for (const Hypothesis& h : std::span(followed.items_.data(), followed.count_)) keep_distinct(h);
-  sort_and_prune(config.belief);
+  keep_likely(config.belief);
   since_reconsidered_s_ += dt_s;
   if (since_reconsidered_s_ > kReconsider_s) {
     since_reconsidered_s_ = 0;

@@ -42,6 +42,11 @@ class Hypotheses {
   bool begin(const HandCandidate& candidate, const ImageView& frame, const Camera& camera,
              const Person& person, const TrackerConfig& config, Aligner& aligner) noexcept;
 
+  /// Lays each anew from where it is, on colours that are taken there: they or the light changed.
+  /// False when none can be.
+  bool lay_anew(const ImageView& frame, const Camera& camera, const TrackerConfig& config,
+                Aligner& aligner) noexcept;
+
   /// What a finder sees of the hand: where fingertips and roots are, for frames to come, and,
   /// `share` of what it says, which face. Null: nothing.
   void expect(const HandCandidate* seen, const Camera& camera, double share,
@@ -63,6 +68,8 @@ class Hypotheses {
   /// are better known than when they were given up, and hands turn over.
   void reconsider(const ImageView& frame, const Camera& camera, const TrackerConfig& config,
                   Aligner& aligner) noexcept;
+  /// Those that have come to the same are one; the likeliest first.
+  void keep_likely(const BeliefConfig& belief) noexcept;
   /// Adds a way to see the hand, in the place of one that is nearly the same or of the least likely
   /// one where there is no room, unless these are likelier.
   void keep_distinct(const Hypothesis& hypothesis) noexcept;

@@ -82,17 +82,22 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
 }
 
 void HandTracker::Impl::begin(const ImageView& frame) noexcept {
-  const bool had = holds_hand();
-  const double followed_ratio = had ? seen.hypotheses.best().alignment.log_ratio : 0;
+  const bool held = holds_hand();
+  const double followed_ratio = held ? seen.hypotheses.best().alignment.log_ratio : 0;
   const double belief =
-      had ? seen.belief + evidence_of(seen.hypotheses.best().alignment, seen.whole) : 0;
+      held ? seen.belief + evidence_of(seen.hypotheses.best().alignment, seen.whole) : 0;
   for (const HandCandidate& candidate : candidates) {
-    const Reading reading = had ? compare(candidate, followed()) : Reading::elsewhere;
-    if (reading == Reading::same || is_of_other(candidate) || is_for_other(candidate, reading) ||
+    Reading reading = has_hand() ? compare(candidate, followed()) : Reading::elsewhere;
+    // What is not seen to lie there is no reading to choose between.
+    if (!held && reading == Reading::otherwise) reading = Reading::elsewhere;
+    const bool same = reading == Reading::same;
+    if ((held && same) || is_of_other(candidate) || is_for_other(candidate, reading) ||
         (reading == Reading::elsewhere && candidate.log_odds + config.belief.most_frame < belief))
       continue;
-    Hypotheses fresh;
-    if (!fresh.begin(candidate, frame, camera, seen.person, config, scout)) continue;
+    Hypotheses fresh = seen.hypotheses;
+    if (!(same ? fresh.lay_anew(frame, camera, config, scout)
+               : fresh.begin(candidate, frame, camera, seen.person, config, scout)))
+      continue;
     // Laid where the followed hand is, the picture shows no other reading of it.
     if (reading == Reading::otherwise && place_of(fresh.best()).same_tips(followed())) continue;
     const Alignment& best = fresh.best().alignment;
@@ -108,11 +113,10 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
       seen.read_otherwise |= reading == Reading::otherwise && candidate.log_odds > 0;
       continue;
     }
-    const bool stays = has_hand() && stays_at(fresh.best());
     seen.hypotheses = fresh;
     seen.whole = whole;
     std::swap(aligner, scout);
-    if (stays) return;  // the same hand in the same place, only laid anew
+    if (same) return;
     seen.read_otherwise = false;
     seen.filter.reset();
     seen.own_layout = candidate.layout;
@@ -120,11 +124,6 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     if (reading == Reading::elsewhere) seen.belief = candidate.log_odds;
     return;
   }
-}
-
-bool HandTracker::Impl::stays_at(const Hypothesis& fresh) const noexcept {
-  const HandVector moved = seen.hypotheses.best().alignment.state.difference(fresh.alignment.state);
-  return place_of(fresh).same_tips(followed()) && moved.head<3>().norm() < config.belief.doubt_rad;
 }
 
 }  // namespace handyar

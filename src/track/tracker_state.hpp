@@ -75,8 +75,6 @@ struct HandTracker::Impl {
   double evidence_of(const Alignment& alignment, bool whole) const noexcept;
   void find(const ImageView& frame, bool only_there) noexcept;
   void begin(const ImageView& frame) noexcept;
-  /// Whether a hand that is begun anew lies where the followed one does, but for what is doubtful.
-  bool stays_at(const Hypothesis& fresh) const noexcept;
 
   /// Shares the view with one other tracker, or with none.
   void share_view(Impl* with) noexcept;
