@@ -11,8 +11,10 @@
 namespace handyar {
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
+// Pose and the fingers' abductions.
+constexpr int kUnknowns = 6 + kFingerCount;
+using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
 constexpr double kFarthest_m = 5.0;
 
@@ -20,12 +22,15 @@ constexpr double kFarthest_m = 5.0;
 constexpr int kPlaces = 2 * kFingerCount;
 struct Places {
   Eigen::Matrix<double, 3, kPlaces> hand_m;
+  Eigen::Matrix<double, 3, kFingerCount> by_abduction_m;  ///< of the tips
   Eigen::Matrix<double, 2, kPlaces> px;
 
-  Places(const RoughFingers& seen, const PosedFigure& hand) {
+  Places(const RoughFingers& seen, const HandFigure& figure, const Posture& posture) {
+    const PosedFigure hand = pose_fingers(figure, posture);
     for (int f = 0; f < kFingerCount; ++f) {
       hand_m.col(f) = hand.tips_m.col(f);
       hand_m.col(kFingerCount + f) = hand.centres_m.col(sphere_of(f, 0));
+      by_abduction_m.col(f) = hand.by_abduction_m.col(sphere_of(f, kFingerSpheres - 1));
       px.col(f) = seen.tips_px[f];
       px.col(kFingerCount + f) = seen.roots_px[f];
     }
@@ -61,41 +66,53 @@ Eigen::Isometry3d facing(const Places& places, const Camera& camera) {
 
 }  // namespace
 
-Eigen::Isometry3d start_pose(const RoughFingers& seen, const PosedFigure& hand,
-                             const Camera& camera, double tilt_sigma_rad) noexcept {
-  const Places places(seen, hand);
-  const Eigen::Isometry3d start = facing(places, camera);
-  Eigen::Isometry3d T = start;
+HandState start_state(const RoughFingers& seen, const HandFigure& figure, const Posture& expected,
+                      const Camera& camera, const MotionConfig& motion) noexcept {
+  HandState start;
+  start.posture = expected;
+  start.T_camera_hand = facing(Places(seen, figure, expected), camera);
+  HandState state = start;
+  Eigen::Isometry3d& T = state.T_camera_hand;
   const Eigen::Vector3d sight = T.translation().normalized();
   // Turning about the line of sight is free, tilting has the prior.
-  const Eigen::Matrix3d tilt_information =
-      (Eigen::Matrix3d::Identity() - sight * sight.transpose()) / (tilt_sigma_rad * tilt_sigma_rad);
+  Information prior = 1e-9 * Information::Identity();
+  prior.topLeftCorner<3, 3>() += (Eigen::Matrix3d::Identity() - sight * sight.transpose()) /
+                                 (motion.rotation_sigma_rad * motion.rotation_sigma_rad);
+  for (int f = 0; f < kFingerCount; ++f) {
+    const double sigma_rad = f == 0 ? motion.thumb_sigma_rad : motion.finger_sigma_rad;
+    prior(6 + f, 6 + f) = 1 / (sigma_rad * sigma_rad);
+  }
   constexpr int kIterations = 6;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    Matrix6d H = 1e-9 * Matrix6d::Identity();
-    Vector6d g = Vector6d::Zero();
+    const Places places(seen, figure, state.posture);
+    Information H = prior;
+    Unknowns off = Unknowns::Zero();
+    off.head<3>() =
+        so3::log(Eigen::Matrix3d(T.linear() * start.T_camera_hand.linear().transpose()));
+    for (int f = 0; f < kFingerCount; ++f)
+      off[6 + f] = state.posture.abduction_rad[f] - expected.abduction_rad[f];
+    Unknowns g = -prior * off;
     for (int i = 0; i < kPlaces; ++i) {
       const Eigen::Vector3d turned = T.linear() * places.hand_m.col(i),
                             p = turned + T.translation();
       if (p.z() < kNearest_m) return start;
       Eigen::Matrix<double, 2, 3> J_point;
       const Eigen::Vector2d error = places.px.col(i) - camera.project(p, &J_point);
-      Eigen::Matrix<double, 2, 6> J;
-      J << -J_point * so3::skew(turned), J_point;
+      Eigen::Matrix<double, 2, kUnknowns> J = Eigen::Matrix<double, 2, kUnknowns>::Zero();
+      J.leftCols<3>() = -J_point * so3::skew(turned);
+      J.middleCols<3>(3) = J_point;
+      if (i < kFingerCount) J.col(6 + i) = J_point * T.linear() * places.by_abduction_m.col(i);
       H += J.transpose() * J / (seen.sigma_px * seen.sigma_px);
       g += J.transpose() * error / (seen.sigma_px * seen.sigma_px);
     }
-    const Eigen::Vector3d turned_so_far =
-        so3::log(Eigen::Matrix3d(T.linear() * start.linear().transpose()));
-    H.topLeftCorner<3, 3>() += tilt_information;
-    g.head<3>() -= tilt_information * turned_so_far;
-    const Vector6d step = H.ldlt().solve(g);
+    const Unknowns step = H.ldlt().solve(g);
     if (!step.allFinite()) return start;
     T.linear() =
         (so3::exp(step.head<3>()) * Eigen::Quaterniond(T.linear())).normalized().toRotationMatrix();
-    T.translation() += step.tail<3>();
+    T.translation() += step.segment<3>(3);
+    for (int f = 0; f < kFingerCount; ++f) state.posture.abduction_rad[f] += step[6 + f];
   }
-  return T.translation().z() > kNearest_m ? T : start;
+  return T.translation().z() > kNearest_m ? state : start;
 }
 
 Eigen::Isometry3d other_planar_solution(const Eigen::Isometry3d& T_camera_hand) noexcept {
