@@ -11,8 +11,8 @@
 namespace handyar {
 namespace {
 
-// Pose and the fingers' abductions.
-constexpr int kUnknowns = 6 + kFingerCount;
+// The pose and the thumb's abduction.
+constexpr int kThumb = 0, kThumbAt = 6, kUnknowns = 7;
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
@@ -22,7 +22,7 @@ constexpr double kFarthest_m = 5.0;
 constexpr int kPlaces = 2 * kFingerCount;
 struct Places {
   Eigen::Matrix<double, 3, kPlaces> hand_m;
-  Eigen::Matrix<double, 3, kFingerCount> by_abduction_m;  ///< of the tips
+  Eigen::Vector3d thumb_by_abduction_m;  ///< of its tip
   Eigen::Matrix<double, 2, kPlaces> px;
 
   Places(const RoughFingers& seen, const HandFigure& figure, const Posture& posture) {
@@ -30,10 +30,10 @@ struct Places {
     for (int f = 0; f < kFingerCount; ++f) {
       hand_m.col(f) = hand.tips_m.col(f);
       hand_m.col(kFingerCount + f) = hand.centres_m.col(sphere_of(f, 0));
-      by_abduction_m.col(f) = hand.by_abduction_m.col(sphere_of(f, kFingerSpheres - 1));
       px.col(f) = seen.tips_px[f];
       px.col(kFingerCount + f) = seen.roots_px[f];
     }
+    thumb_by_abduction_m = hand.by_abduction_m.col(sphere_of(kThumb, kFingerSpheres - 1));
   }
 };
 
@@ -73,15 +73,13 @@ HandState start_state(const RoughFingers& seen, const HandFigure& figure, const 
   start.T_camera_hand = facing(Places(seen, figure, expected), camera);
   HandState state = start;
   Eigen::Isometry3d& T = state.T_camera_hand;
+  double& thumb_rad = state.posture.abduction_rad[kThumb];
   const Eigen::Vector3d sight = T.translation().normalized();
   // Turning about the line of sight is free, tilting has the prior.
   Information prior = 1e-9 * Information::Identity();
   prior.topLeftCorner<3, 3>() += (Eigen::Matrix3d::Identity() - sight * sight.transpose()) /
                                  (motion.rotation_sigma_rad * motion.rotation_sigma_rad);
-  for (int f = 0; f < kFingerCount; ++f) {
-    const double sigma_rad = f == 0 ? motion.thumb_sigma_rad : motion.finger_sigma_rad;
-    prior(6 + f, 6 + f) = 1 / (sigma_rad * sigma_rad);
-  }
+  prior(kThumbAt, kThumbAt) = 1 / (motion.thumb_sigma_rad * motion.thumb_sigma_rad);
   constexpr int kIterations = 6;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Places places(seen, figure, state.posture);
@@ -89,8 +87,7 @@ HandState start_state(const RoughFingers& seen, const HandFigure& figure, const 
     Unknowns off = Unknowns::Zero();
     off.head<3>() =
         so3::log(Eigen::Matrix3d(T.linear() * start.T_camera_hand.linear().transpose()));
-    for (int f = 0; f < kFingerCount; ++f)
-      off[6 + f] = state.posture.abduction_rad[f] - expected.abduction_rad[f];
+    off[kThumbAt] = thumb_rad - expected.abduction_rad[kThumb];
     Unknowns g = -prior * off;
     for (int i = 0; i < kPlaces; ++i) {
       const Eigen::Vector3d turned = T.linear() * places.hand_m.col(i),
@@ -101,7 +98,7 @@ HandState start_state(const RoughFingers& seen, const HandFigure& figure, const 
       Eigen::Matrix<double, 2, kUnknowns> J = Eigen::Matrix<double, 2, kUnknowns>::Zero();
       J.leftCols<3>() = -J_point * so3::skew(turned);
       J.middleCols<3>(3) = J_point;
-      if (i < kFingerCount) J.col(6 + i) = J_point * T.linear() * places.by_abduction_m.col(i);
+      if (i == kThumb) J.col(kThumbAt) = J_point * T.linear() * places.thumb_by_abduction_m;
       H += J.transpose() * J / (seen.sigma_px * seen.sigma_px);
       g += J.transpose() * error / (seen.sigma_px * seen.sigma_px);
     }
@@ -110,7 +107,7 @@ HandState start_state(const RoughFingers& seen, const HandFigure& figure, const 
     T.linear() =
         (so3::exp(step.head<3>()) * Eigen::Quaterniond(T.linear())).normalized().toRotationMatrix();
     T.translation() += step.segment<3>(3);
-    for (int f = 0; f < kFingerCount; ++f) state.posture.abduction_rad[f] += step[6 + f];
+    thumb_rad += step[kThumbAt];
   }
   return T.translation().z() > kNearest_m ? state : start;
 }

@@ -10,8 +10,8 @@
 namespace handyar {
 
 /// How a figure that faces the camera stands, as far as rough fingertips and roots allow: they tell
-/// place, size and direction well, tilt badly, and how the fingers are spread as well as a person's
-/// rest does. Tilt and abduction have priors, around facing the camera and `expected`.
+/// place, size, direction and where the thumb is well, tilt badly. Tilt and the thumb's abduction
+/// have priors, around facing the camera and `expected`; the other fingers stay as expected.
 HandState start_state(const RoughFingers& seen, const HandFigure& figure, const Posture& expected,
                       const Camera& camera, const MotionConfig& motion) noexcept;
 
