@@ -155,11 +155,12 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       Hypothesis h;
       h.appearance = {face, candidate.layout};
       h.person = person;
-      Posture expected;
-      for (int f = 0; f < kFingerCount; ++f) expected.abduction_rad[f] = closed * kClosing_rad[f];
       HandState& state = h.alignment.state;
-      state = start_state(fingers, figure, expected, camera, config.motion);
       state.figure = person.mean();
+      for (int f = 0; f < kFingerCount; ++f)
+        state.posture.abduction_rad[f] = closed * kClosing_rad[f];
+      state.T_camera_hand = start_pose(fingers, pose_fingers(figure, state.posture), camera,
+                                       config.motion.rotation_sigma_rad);
       HandPrior prior = beginning.prior_at(state.T_camera_hand);
       prior.fingers = fingers;
       beginning.settle(h, prior, kRoughly_m, kStay);

@@ -11,10 +11,8 @@
 namespace handyar {
 namespace {
 
-// The pose and the thumb's abduction.
-constexpr int kThumb = 0, kThumbAt = 6, kUnknowns = 7;
-using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
-using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kFarthest_m = 5.0;
 
@@ -22,18 +20,15 @@ constexpr double kFarthest_m = 5.0;
 constexpr int kPlaces = 2 * kFingerCount;
 struct Places {
   Eigen::Matrix<double, 3, kPlaces> hand_m;
-  Eigen::Vector3d thumb_by_abduction_m;  ///< of its tip
   Eigen::Matrix<double, 2, kPlaces> px;
 
-  Places(const RoughFingers& seen, const HandFigure& figure, const Posture& posture) {
-    const PosedFigure hand = pose_fingers(figure, posture);
+  Places(const RoughFingers& seen, const PosedFigure& hand) {
     for (int f = 0; f < kFingerCount; ++f) {
       hand_m.col(f) = hand.tips_m.col(f);
       hand_m.col(kFingerCount + f) = hand.centres_m.col(sphere_of(f, 0));
       px.col(f) = seen.tips_px[f];
       px.col(kFingerCount + f) = seen.roots_px[f];
     }
-    thumb_by_abduction_m = hand.by_abduction_m.col(sphere_of(kThumb, kFingerSpheres - 1));
   }
 };
 
@@ -66,50 +61,41 @@ Eigen::Isometry3d facing(const Places& places, const Camera& camera) {
 
 }  // namespace
 
-HandState start_state(const RoughFingers& seen, const HandFigure& figure, const Posture& expected,
-                      const Camera& camera, const MotionConfig& motion) noexcept {
-  HandState start;
-  start.posture = expected;
-  start.T_camera_hand = facing(Places(seen, figure, expected), camera);
-  HandState state = start;
-  Eigen::Isometry3d& T = state.T_camera_hand;
-  double& thumb_rad = state.posture.abduction_rad[kThumb];
+Eigen::Isometry3d start_pose(const RoughFingers& seen, const PosedFigure& hand,
+                             const Camera& camera, double tilt_sigma_rad) noexcept {
+  const Places places(seen, hand);
+  const Eigen::Isometry3d start = facing(places, camera);
+  Eigen::Isometry3d T = start;
   const Eigen::Vector3d sight = T.translation().normalized();
   // Turning about the line of sight is free, tilting has the prior.
-  Information prior = 1e-9 * Information::Identity();
-  prior.topLeftCorner<3, 3>() += (Eigen::Matrix3d::Identity() - sight * sight.transpose()) /
-                                 (motion.rotation_sigma_rad * motion.rotation_sigma_rad);
-  prior(kThumbAt, kThumbAt) = 1 / (motion.thumb_sigma_rad * motion.thumb_sigma_rad);
+  const Eigen::Matrix3d tilt_information =
+      (Eigen::Matrix3d::Identity() - sight * sight.transpose()) / (tilt_sigma_rad * tilt_sigma_rad);
   constexpr int kIterations = 6;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const Places places(seen, figure, state.posture);
-    Information H = prior;
-    Unknowns off = Unknowns::Zero();
-    off.head<3>() =
-        so3::log(Eigen::Matrix3d(T.linear() * start.T_camera_hand.linear().transpose()));
-    off[kThumbAt] = thumb_rad - expected.abduction_rad[kThumb];
-    Unknowns g = -prior * off;
+    Matrix6d H = 1e-9 * Matrix6d::Identity();
+    Vector6d g = Vector6d::Zero();
     for (int i = 0; i < kPlaces; ++i) {
       const Eigen::Vector3d turned = T.linear() * places.hand_m.col(i),
                             p = turned + T.translation();
       if (p.z() < kNearest_m) return start;
       Eigen::Matrix<double, 2, 3> J_point;
       const Eigen::Vector2d error = places.px.col(i) - camera.project(p, &J_point);
-      Eigen::Matrix<double, 2, kUnknowns> J = Eigen::Matrix<double, 2, kUnknowns>::Zero();
-      J.leftCols<3>() = -J_point * so3::skew(turned);
-      J.middleCols<3>(3) = J_point;
-      if (i == kThumb) J.col(kThumbAt) = J_point * T.linear() * places.thumb_by_abduction_m;
+      Eigen::Matrix<double, 2, 6> J;
+      J << -J_point * so3::skew(turned), J_point;
       H += J.transpose() * J / (seen.sigma_px * seen.sigma_px);
       g += J.transpose() * error / (seen.sigma_px * seen.sigma_px);
     }
-    const Unknowns step = H.ldlt().solve(g);
+    const Eigen::Vector3d turned_so_far =
+        so3::log(Eigen::Matrix3d(T.linear() * start.linear().transpose()));
+    H.topLeftCorner<3, 3>() += tilt_information;
+    g.head<3>() -= tilt_information * turned_so_far;
+    const Vector6d step = H.ldlt().solve(g);
     if (!step.allFinite()) return start;
     T.linear() =
         (so3::exp(step.head<3>()) * Eigen::Quaterniond(T.linear())).normalized().toRotationMatrix();
-    T.translation() += step.segment<3>(3);
-    thumb_rad += step[kThumbAt];
+    T.translation() += step.tail<3>();
   }
-  return T.translation().z() > kNearest_m ? state : start;
+  return T.translation().z() > kNearest_m ? T : start;
 }
 
 Eigen::Isometry3d other_planar_solution(const Eigen::Isometry3d& T_camera_hand) noexcept {
