@@ -68,7 +68,7 @@ class Hypotheses {
   /// are better known than when they were given up, and hands turn over.
   void reconsider(const ImageView& frame, const Camera& camera, const TrackerConfig& config,
                   Aligner& aligner) noexcept;
-  /// Those that have come to the same are one; the likeliest first.
+  /// Those that have come to the same become one; then sorts and prunes.
   void keep_likely(const BeliefConfig& belief) noexcept;
   /// Adds a way to see the hand, in the place of one that is nearly the same or of the least likely
   /// one where there is no room, unless these are likelier.
