@@ -99,6 +99,45 @@ TEST(Hypotheses, AThumbStaysWhereTheFinderSawItThoughSkinGoesOnBehindIt) {
   }
 }
 
+TEST(Hypotheses, LaidAnewWhenTheLightChangesFaceAndOrientationStayAndTheColoursAreLearned) {
+  Beginning hand({}, deg(10), 1);  // palm and back look alike; the palm is told
+  ASSERT_TRUE(hand.found);
+  hand.ways.expect(&hand.candidate, hand.film.camera, 1, {});
+  const auto follow = [&] {
+    return hand.ways.follow(hand.film.picture().view(), hand.film.camera, 1.0 / 30, {},
+                            hand.aligner);
+  };
+  ASSERT_TRUE(follow());
+  const Hypothesis before = hand.ways.best();
+  ASSERT_EQ(before.appearance.face, Face::palm);
+  ASSERT_GT(before.alignment.log_ratio, BeliefConfig{}.seen);
+
+  hand.film.extra = [](test::Picture& picture) {  // a dim and bluish lamp
+    for (int y = 0; y < 480; ++y)
+      for (int x = 0; x < 640; ++x) {
+        std::uint8_t* bgr = picture.at(x, y);
+        bgr[0] = static_cast<std::uint8_t>(0.6 * bgr[0]);
+        bgr[1] = static_cast<std::uint8_t>(0.35 * bgr[1]);
+        bgr[2] = static_cast<std::uint8_t>(0.3 * bgr[2]);
+      }
+  };
+  Hypotheses lost = hand.ways;
+  EXPECT_TRUE(!follow() || hand.ways.best().alignment.log_ratio < BeliefConfig{}.seen)
+      << "it is not followed by colours that are gone";
+
+  ASSERT_TRUE(lost.lay_anew(hand.film.picture().view(), hand.film.camera, {}, hand.aligner));
+  const Hypothesis& anew = lost.best();
+  EXPECT_GT(anew.alignment.log_ratio, 0.7 * before.alignment.log_ratio);
+  EXPECT_EQ(anew.appearance.face, Face::palm);
+  EXPECT_LT(test::rotation_error_rad(anew.alignment.state.T_camera_hand,
+                                     before.alignment.state.T_camera_hand),
+            deg(3));
+  hand.ways = lost;
+  ASSERT_TRUE(follow());
+  EXPECT_GT(hand.ways.best().alignment.log_ratio, 0.7 * before.alignment.log_ratio)
+      << "the colours that it learned are this light's";
+}
+
 TEST(SeenFingers, GoAlongWithTheHandAndAreTheLessSureTheFartherItMoves) {
   test::Film film;
   film.T_camera_hand = film.pose_at(0);
