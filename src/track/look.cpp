@@ -118,6 +118,7 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     std::swap(aligner, scout);
     if (same) return;
     seen.read_otherwise = false;
+    seen.lately = 0;
     seen.filter.reset();
     seen.own_layout = candidate.layout;
     if (seen.state == State::tracking) seen.changed_s = seen.time_s;

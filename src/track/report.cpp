@@ -61,7 +61,8 @@ void HandTracker::Impl::report(TrackResult& result) noexcept {
     result.pose.reset();
   } else {
     // What stands on a hand that is read otherwise goes there unseen, not in a leap.
-    result.doubtful = !holds_hand() || seen.belief < config.belief.believe || !result.pose ||
+    result.doubtful = seen.lately < config.belief.doubt || !result.pose ||
+                      best.alignment.log_ratio < config.belief.leaps ||
                       seen.time_s - seen.changed_s < config.belief.same_s ||
                       sigma_rotation_rad(result.pose->covariance) > config.belief.doubt_rad;
   }

@@ -64,7 +64,7 @@ FrameStatus HandTracker::Impl::admit(const ImageView& frame, double time_s) noex
     camera = calibrated_camera.scaled_to(frame.width_px, frame.height_px);
     seen.hypotheses.clear();
     seen.gestures = {};
-    seen.belief = 0;
+    seen.belief = seen.lately = 0;
   }
   return FrameStatus::ok;
 }
@@ -118,11 +118,13 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
     const double share = std::clamp(dt_s / limits.same_s, 0.0, 1.0);
     const double says = evidence_of(seen.hypotheses.best().alignment, seen.whole);
     seen.belief = std::min(seen.belief + share * says, limits.most);
+    constexpr double kLately_s = 0.1;
+    seen.lately += std::clamp(dt_s / kLately_s, 0.0, 1.0) * (says - seen.lately);
   }
   const bool was = has_followed();
   if (!has_hand() || seen.belief < limits.give_up) {
     seen.hypotheses.clear();
-    seen.belief = 0;
+    seen.belief = seen.lately = 0;
     constexpr double kRemember_s = 3.0;
     seen.state = was && seen.time_s - seen.tracked_s < kRemember_s ? State::lost : State::searching;
   } else if (seen.belief > limits.believe || seen.state == State::tracking) {

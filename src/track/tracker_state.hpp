@@ -22,6 +22,7 @@ struct TrackerState {
   double time_s = -std::numeric_limits<double>::infinity();
   State state = State::searching;
   double belief = 0;  ///< log odds of hand against no hand
+  double lately = 0;  ///< what frames of late say of the hand in the mean, log odds
   double looked_s = -std::numeric_limits<double>::infinity();
   double tracked_s = -std::numeric_limits<double>::infinity();
   /// When the hand that was tracked was last read otherwise, or another one taken for it.
