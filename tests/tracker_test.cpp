@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "hand_film.hpp"
+#include "handyar/stages/evidence.hpp"
 
 namespace handyar {
 namespace {
@@ -183,6 +184,23 @@ TEST(Tracker, APoseThatIsReadAnewIsDoubtfulAtFirst) {
     ++(film.result.doubtful ? doubtful : sound);
   }
   EXPECT_GT(sound, 10);
+}
+
+TEST(Tracker, AFrameThatDipsALittleLeavesThePoseSoundAndOneThatShowsNothingDoesNot) {
+  for (const double noise : {24.0, 60.0}) {
+    Film film;
+    ASSERT_LT(film.until(State::tracking, 1), 1);
+    for (int i = 0; i < 15; ++i) film.next();
+    ASSERT_FALSE(film.result.doubtful);
+    film.extra = [noise](Picture& p) { p.add_noise(noise, 1000); };
+    film.next();
+    ASSERT_EQ(film.result.state, State::tracking);
+    EXPECT_LT(film.tracker.evidence().log_ratio, 5) << "no dip, so it tells nothing";
+    EXPECT_EQ(film.result.doubtful, noise > 50);
+    film.extra = {};
+    for (int i = 0; i < 6; ++i) film.next();
+    EXPECT_FALSE(film.result.doubtful) << "after " << noise;
+  }
 }
 
 TEST(Tracker, AFingertipHiddenForAWhileKeepsThePose) {
