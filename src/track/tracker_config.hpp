@@ -20,9 +20,9 @@ struct BeliefConfig {
   /// Log ratio of a frame from which on a figure is seen to lie on a hand. Right ones have 6 to 9
   /// in dim rooms and more in others, those that have strayed about 4 and less (real clips).
   double seen = 5.0;
-  /// A hand is doubtful that frames of the last tenth of a second say less of in the mean, log
-  /// odds: right hands in dim rooms dip for a frame or two, and what stands on them would flicker.
-  double doubt = -1.0;
+  /// A hand is doubtful that frames say less of in the mean, log odds, older ones fading this fast:
+  /// right hands in dim rooms dip for a frame or two, and what stands on them would flicker.
+  double doubt = -1.0, lately_s = 0.1;
   /// And one whose figure has a smaller log ratio in one frame: figures that leap have 2 and less.
   double leaps = 3.0;
   double doubt_rad =

@@ -118,8 +118,7 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
     const double share = std::clamp(dt_s / limits.same_s, 0.0, 1.0);
     const double says = evidence_of(seen.hypotheses.best().alignment, seen.whole);
     seen.belief = std::min(seen.belief + share * says, limits.most);
-    constexpr double kLately_s = 0.1;
-    seen.lately += std::clamp(dt_s / kLately_s, 0.0, 1.0) * (says - seen.lately);
+    seen.lately += std::clamp(dt_s / limits.lately_s, 0.0, 1.0) * (says - seen.lately);
   }
   const bool was = has_followed();
   if (!has_hand() || seen.belief < limits.give_up) {

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: MIT
+"""Videos for the scripts beside this file."""
+import subprocess
+
+
+def encoder(path, width, height, preset, crf):
+    """An ffmpeg that takes BGR frames of this size, 30 a second, at its standard input."""
+    return subprocess.Popen(
+        ["ffmpeg", "-v", "error", "-f", "rawvideo", "-pix_fmt", "bgr24", "-s", f"{width}x{height}", "-r", "30", "-i", "-",
+         "-c:v", "libx264", "-preset", preset, "-crf", str(crf), "-pix_fmt", "yuv420p", path], stdin=subprocess.PIPE)
+
+
+def finish(video):
+    video.stdin.close()
+    if video.wait():
+        raise SystemExit("ffmpeg failed")
