@@ -146,6 +146,7 @@ def main():
     ap.add_argument('--backgrounds', nargs='*', default=[])
     ap.add_argument('--plates', nargs='*', default=[])
     a = ap.parse_args()
+    os.makedirs(a.out, exist_ok=True)
     pictures, tips, roots, kinds, faces = [], [], [], [], []
 
     def keep(picture, places, kind, face):
