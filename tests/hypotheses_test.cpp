@@ -138,6 +138,29 @@ TEST(Hypotheses, LaidAnewWhenTheLightChangesFaceAndOrientationStayAndTheColoursA
       << "the colours that it learned are this light's";
 }
 
+TEST(Hypotheses, AHandThatTurnsToItsEdgeIsFollowedThroughItAndBack) {
+  for (const bool through : {true, false}) {
+    Beginning hand({}, 0, 6);
+    ASSERT_TRUE(hand.found);
+    const Eigen::Isometry3d T_front = hand.film.T_camera_hand;
+    const int edge = 15, end = 24;
+    for (int frame = 1; frame <= end; ++frame) {
+      const int turned = through || frame < edge ? frame : 2 * edge - frame;
+      hand.film.T_camera_hand =
+          T_front * Eigen::AngleAxisd(deg(5.9 * turned), Eigen::Vector3d::UnitY());
+      ASSERT_TRUE(hand.ways.follow(hand.film.picture().view(), hand.film.camera, 1.0 / 30, {},
+                                   hand.aligner))
+          << frame;
+    }
+    const Hypothesis& best = hand.ways.best();
+    Eigen::Isometry3d T = hand.film.T_camera_hand;
+    if (through) T.linear() *= Eigen::Vector3d(-1, 1, -1).asDiagonal();  // as its back shows it
+    EXPECT_EQ(best.appearance.face, through ? Face::back : Face::palm);
+    EXPECT_EQ(best.appearance.layout, through ? Layout::thumb_left : Layout::thumb_right);
+    EXPECT_LT(test::rotation_error_rad(best.alignment.state.T_camera_hand, T), deg(6)) << through;
+  }
+}
+
 TEST(SeenFingers, GoAlongWithTheHandAndAreTheLessSureTheFartherItMoves) {
   test::Film film;
   film.T_camera_hand = film.pose_at(0);

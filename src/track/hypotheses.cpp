@@ -38,6 +38,12 @@ std::optional<Face> known_face(const HandCandidate& candidate, const TrackerConf
   return candidate.palm_log_odds > 0 ? Face::palm : Face::back;
 }
 
+/// How far a hand would turn through its edge to be seen as it is from the other side.
+double turn_beyond_edge_rad(const Eigen::Isometry3d& T_camera_hand) {
+  return 2 * std::asin(std::abs(
+                 T_camera_hand.linear().col(2).dot(T_camera_hand.translation().normalized())));
+}
+
 /// A hand that has turned over shows its other face, with the thumb on the other side: the same
 /// solid, its frame turned by half a turn about the fingers.
 void turn_over(Hypothesis& h) {
@@ -185,8 +191,8 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   return count_ > 0;
 }
 
-bool Hypotheses::lay_anew(const ImageView& frame, const Camera& camera,
-                          const TrackerConfig& config, Aligner& aligner) noexcept {
+bool Hypotheses::lay_anew(const ImageView& frame, const Camera& camera, const TrackerConfig& config,
+                          Aligner& aligner) noexcept {
   aligner.forget();
   for (int i = count_ - 1; i >= 0; --i) {  // the best last: its colours are the ones to keep
     Hypothesis& h = items_[i];
@@ -231,9 +237,21 @@ void Hypotheses::learn_person(double share, const TrackerConfig& config) noexcep
                    share);
 }
 
+void Hypotheses::consider_edge(const MotionConfig& motion) noexcept {
+  const Eigen::Isometry3d& T = best().alignment.state.T_camera_hand;
+  if (count_ == kMost || turn_beyond_edge_rad(T) > motion.rotation_sigma_rad) return;
+  Hypothesis& other = items_[count_++] = items_[0];
+  HandState& state = other.alignment.state;
+  state.T_camera_hand = beyond_edge(T);
+  const Eigen::Vector3d sight = T.translation().normalized(), turns = state.velocity.head<3>();
+  state.velocity.head<3>() = 2 * sight.dot(turns) * sight - turns;  // mirrored like its pose
+  other.leads = false;
+}
+
 bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_s,
                         const TrackerConfig& config, Aligner& aligner) noexcept {
   const double share = share_of(dt_s, config);
+  consider_edge(config.motion);
   for (int i = count_ - 1; i >= 0; --i) {  // the best last: its outline is the one to show
     Hypothesis& h = items_[i];
     const HandState before = h.alignment.state;

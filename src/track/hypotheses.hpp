@@ -64,6 +64,9 @@ class Hypotheses {
   void learn_person(double share, const TrackerConfig& config) noexcept;
 
  private:
+  /// A hand near its edge may turn through it or back, and looks the same for a while.
+  void consider_edge(const MotionConfig& motion) noexcept;
+
   /// Thinks again of the other face or the other planar solution, one at a time: colours and figure
   /// are better known than when they were given up, and hands turn over.
   void reconsider(const ImageView& frame, const Camera& camera, const TrackerConfig& config,
