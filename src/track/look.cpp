@@ -35,7 +35,7 @@ const HandCandidate* HandTracker::Impl::seen_again() const noexcept {
   const HandPlace now = followed();
   for (const HandCandidate& candidate : candidates)
     if (candidate.log_odds > 0 && !is_of_other(candidate) &&
-        compare(candidate, now) != Reading::elsewhere)
+        compare(candidate, now) == Reading::same)
       return &candidate;
   return nullptr;
 }

@@ -68,7 +68,7 @@ struct HandTracker::Impl {
   /// How the finder reads the place where a hand is followed.
   enum class Reading { same, otherwise, elsewhere };
   Reading compare(const HandCandidate& candidate, const HandPlace& now) const noexcept;
-  /// The hand that is followed as the finder sees it; null where it does not.
+  /// The hand that is followed as the finder sees it; null where it does not or reads it otherwise.
   const HandCandidate* seen_again() const noexcept;
   double verdict() const noexcept;  ///< of the finder on the hand that is followed, log odds
   /// What a figure says of there being an open hand, log odds; one that lacks a part speaks against
