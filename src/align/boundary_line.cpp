@@ -19,6 +19,27 @@ constexpr float kCalmStep = 8.0f;
 constexpr float kLeastVariance = 0.1f;  // segments squared: no boundary is seen better
 constexpr float kMostEvidence = 3.0f;   // of one line, nats: a line may be wrong altogether
 
+/// Pixels of a line, from inside to outside.
+struct LinePixels {
+  std::array<std::int32_t, PixelGroup::kMost> x, y, seen;  ///< seen: 1 or 0
+};
+
+/// In vectors; all that matters to it lies in its arguments.
+HANDYAR_VECTORISED void place_pixels(const PixelReader& reader, const Eigen::Vector2f& from,
+                                     const Eigen::Vector2f& step, float segment_px, int half,
+                                     int reads, float inside_px, float outside_px,
+                                     LinePixels& out) noexcept {
+  const float per_segment = 1.0f / static_cast<float>(reads);
+  const int count = 2 * half * reads;
+  for (int i = 0; i < PixelGroup::kMost; ++i) {
+    const float r =
+        segment_px * ((static_cast<float>(i) + 0.5f) * per_segment - static_cast<float>(half));
+    const float x = from.x() + r * step.x(), y = from.y() + r * step.y();
+    out.seen[i] = (i < count) & (-r <= inside_px) & (r <= outside_px) & reader.covers(x, y);
+    out.x[i] = reader.nearest_x(x), out.y[i] = reader.nearest_y(y);
+  }
+}
+
 }  // namespace
 
 BoundaryLine::BoundaryLine(const PixelReader& reader, const HandView& view,
@@ -36,14 +57,13 @@ BoundaryLine::BoundaryLine(const PixelReader& reader, const HandView& view,
 /// Pixels from inside to outside, and how many there are of each segment; returns of all.
 int BoundaryLine::read(Segments& segments, PixelGroup& group) const noexcept {
   const int reads = segment_px_ < 1.5f ? 1 : 2;
+  LinePixels pixels;
+  place_pixels(reader_, from_, step_, segment_px_, kHalf, reads, inside_px_, outside_px_, pixels);
   int count = 0;
-  for (int j = 0; j < kSegments; ++j) {
+  for (int j = 0, i = 0; j < kSegments; ++j) {
     const int before = count;
-    for (int k = 0; k < reads; ++k) {
-      const float r = segment_px_ * (j - kHalf + (k + 0.5f) / reads);
-      if (-r > inside_px_ || r > outside_px_) continue;
-      if (const auto p = pixel(r)) reader_.read(p->x(), p->y(), count++, group);
-    }
+    for (int k = 0; k < reads; ++k, ++i)
+      if (pixels.seen[i] != 0) reader_.read(pixels.x[i], pixels.y[i], count++, group);
     segments.reads[j] = count - before;
   }
   return count;
@@ -59,38 +79,42 @@ BoundaryLine::Segments BoundaryLine::segments(const OutlineColors& colors,
   reader_.tell(group, bins, luma);
   std::array<float, PixelGroup::kMost> ratios{};
   colors.log_ratios(part, {bins.data(), count}, ratios);
+  constexpr std::array<float, 3> share{0, 1, 0.5f};  // of a segment's mean, by its reads
   for (int j = 0, i = 0; j < kSegments; ++j)
     for (int k = 0; k < s.reads[j]; ++k, ++i) {
-      s.ratio[j] += ratios[i] / s.reads[j];
-      s.luma[j] += luma[i];
+      s.ratio[j] += share[s.reads[j]] * ratios[i];
+      s.luma[j] += share[s.reads[j]] * luma[i];
     }
-  for (int j = 0; j < kSegments; ++j)
-    if (s.reads[j] > 0) s.luma[j] /= s.reads[j];
   return s;
 }
 
 Boundary BoundaryLine::find(const OutlineColors& colors, int part, bool edges) const noexcept {
   const Segments s = segments(colors, part);
   // A boundary between two segments: all within are of the hand, all beyond of the background.
-  std::array<float, kPlaces> log_p;
-  float sum = s.ratio[0], best = -1e9f;
+  Places log_p{};
+  float sum = s.ratio[0];
   for (int k = 0; k < kPlaces; ++k) {
     log_p[k] = kRatioWeight * sum;
-    if (edges && s.reads[k] > 0 && s.reads[k + 1] > 0)
-      log_p[k] += fast_log(kCalmStep + std::abs(s.luma[k + 1] - s.luma[k]));
-    else if (edges)
-      log_p[k] += fast_log(kCalmStep);
     sum += s.ratio[k + 1];
-    best = std::max(best, log_p[k]);
   }
-  float total = 0, first = 0, second = 0, here = 0;
+  if (edges) {
+    Places step{};
+    for (int k = 0; k < kPlaces; ++k)
+      if (s.reads[k] > 0 && s.reads[k + 1] > 0) step[k] = std::abs(s.luma[k + 1] - s.luma[k]);
+    for (std::size_t k = 0; k < step.size(); ++k) log_p[k] += fast_log(kCalmStep + step[k]);
+  }
+  const float best = *std::max_element(log_p.begin(), log_p.begin() + kPlaces);
+  Places p;
+  for (int k = 0; k < kPlaces; ++k) p[k] = std::exp(log_p[k] - best);
+  float total = 0, first = 0, second = 0;
   for (int k = 0; k < kPlaces; ++k) {
-    const float p = std::exp(log_p[k] - best), x = k + 1 - kHalf;
-    total += p;
-    first += p * x;
-    second += p * x * x;
-    if (std::abs(x) <= 1) here += x == 0 ? 0.5f * p : 0.25f * p;
+    const float x = static_cast<float>(k + 1 - kHalf);
+    total += p[k];
+    first += p[k] * x;
+    second += p[k] * x * x;
   }
+  constexpr int kHere = kHalf - 1;
+  const float here = 0.25f * p[kHere - 1] + 0.5f * p[kHere] + 0.25f * p[kHere + 1];
   const float mean = first / total;
   const float variance = std::max(second / total - mean * mean, kLeastVariance);
   return {mean * segment_px_, std::sqrt(variance) * segment_px_,

@@ -46,6 +46,7 @@ class BoundaryLine {
   static constexpr int kSegments = 2 * kHalf;
   static constexpr int kPlaces = kSegments - 1;  ///< where the boundary may lie: between segments
   static_assert(2 * kSegments <= PixelGroup::kMost);
+  using Places = std::array<float, 16>;  ///< kPlaces numbers, in whole vectors
 
   /// Mean log ratio of hand against background, and luma, from inside to outside.
   struct Segments {

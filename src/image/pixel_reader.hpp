@@ -46,9 +46,12 @@ class PixelReader {
   }
 
   /// Of pixel centres: (0, 0) is that of the first.
-  bool covers(float x, float y) const noexcept {
-    return x >= -0.5f && y >= -0.5f && x < right_ && y < bottom_;
+  HANDYAR_ALWAYS_INLINE bool covers(float x, float y) const noexcept {
+    return (x >= -0.5f) & (y >= -0.5f) & (x < right_) & (y < bottom_);
   }
+  /// Of the pixel that covers a place, or that is nearest to it.
+  HANDYAR_ALWAYS_INLINE int nearest_x(float x) const noexcept { return nearest(x, right_); }
+  HANDYAR_ALWAYS_INLINE int nearest_y(float y) const noexcept { return nearest(y, bottom_); }
 
   /// Red, green, blue, 0 to 255.
   std::array<int, 3> rgb(int x, int y) const noexcept {
@@ -94,6 +97,9 @@ class PixelReader {
   }
 
  private:
+  HANDYAR_ALWAYS_INLINE static int nearest(float at, float last) noexcept {
+    return static_cast<int>(std::min(last, std::max(0.0f, at + 0.5f)));
+  }
   float luma(int x, int y) const noexcept {
     const auto [first, second, third] = numbers(x, y);
     return bytes_ != 0 ? static_cast<float>(77 * first + 150 * second + 29 * third) / 256 : first;
