@@ -120,9 +120,12 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     seen.read_otherwise = false;
     seen.lately = 0;
     seen.filter.reset();
+    // Where a hand was a moment ago there is likelier one than in any picture.
+    const bool comes_back = seen.state == State::lost && candidate.layout == seen.own_layout;
     seen.own_layout = candidate.layout;
     if (seen.state == State::tracking) seen.changed_s = seen.time_s;
-    if (reading == Reading::elsewhere) seen.belief = candidate.log_odds;
+    if (reading == Reading::elsewhere)
+      seen.belief = candidate.log_odds + (comes_back ? config.belief.believe : 0);
     return;
   }
 }
