@@ -6,6 +6,7 @@
 #include "drawn_hand.hpp"
 #include "track/hypotheses.hpp"
 #include "track/start_pose.hpp"
+#include "track/turning.hpp"
 
 namespace handyar {
 namespace {
@@ -177,13 +178,37 @@ TEST(StartPose, RoughFingersAreEnough) {
   }
 }
 
-TEST(StartPose, TheOtherPlanarSolutionMirrorsTheTiltAndTwiceIsTheFirst) {
+TEST(Turning, TheOtherPlanarSolutionMirrorsTheTiltAndTwiceIsTheFirst) {
   const Eigen::Isometry3d T = test::hand_at(0.4, deg(30), deg(20));
   const Eigen::Isometry3d other = other_planar_solution(T);
   const Eigen::Vector3d sight = T.translation().normalized();
   EXPECT_NEAR(T.linear().col(2).dot(sight), other.linear().col(2).dot(sight), 1e-9);
   EXPECT_GT(test::rotation_error_rad(T, other), deg(20));
   EXPECT_LT(test::rotation_error_rad(T, other_planar_solution(other)), 1e-6);
+}
+
+TEST(Turning, BeyondItsEdgeAHandLiesAndMovesMirroredInDepthAndTwiceIsTheFirst) {
+  HandState state;
+  state.T_camera_hand = test::hand_at(0.4, deg(82), deg(20));
+  state.velocity << 0.3, -1, 0.5, 0, 0, 0;
+  const HandState other = beyond_edge(state), again = beyond_edge(other);
+  const double through_rad = turn_through_edge_rad(state.T_camera_hand);
+  EXPECT_LT(through_rad, deg(40));
+  EXPECT_NEAR(test::rotation_error_rad(state.T_camera_hand, other.T_camera_hand), through_rad,
+              1e-6);
+  EXPECT_NEAR(turn_through_edge_rad(other.T_camera_hand), through_rad, 1e-6);
+  EXPECT_LT(test::rotation_error_rad(state.T_camera_hand, again.T_camera_hand), 1e-6);
+  EXPECT_LT((state.velocity - again.velocity).norm(), 1e-9);
+  // Both reach the edge at the same time.
+  const double dt_s = 1e-4;
+  EXPECT_NEAR(turn_through_edge_rad(state.pose_after(dt_s)),
+              turn_through_edge_rad(other.pose_after(dt_s)), 1e-6);
+
+  Appearance appearance;
+  Eigen::Isometry3d T = other.T_camera_hand, shown = state.T_camera_hand;
+  EXPECT_NE(turn_over(appearance, T), turn_over(appearance, shown)) << "one shows its other face";
+  EXPECT_EQ(appearance.face, opposite(Appearance{}.face));
+  EXPECT_EQ(appearance.layout, opposite(Appearance{}.layout));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "track/start_pose.hpp"
+#include "track/turning.hpp"
 
 namespace handyar {
 namespace {
@@ -36,23 +37,6 @@ std::optional<Face> known_face(const HandCandidate& candidate, const TrackerConf
     return side_of(Face::palm, candidate.layout) == *config.user.side ? Face::palm : Face::back;
   if (std::abs(candidate.palm_log_odds) < config.belief.believe) return std::nullopt;
   return candidate.palm_log_odds > 0 ? Face::palm : Face::back;
-}
-
-/// How far a hand would turn through its edge to be seen as it is from the other side.
-double turn_beyond_edge_rad(const Eigen::Isometry3d& T_camera_hand) {
-  return 2 * std::asin(std::abs(
-                 T_camera_hand.linear().col(2).dot(T_camera_hand.translation().normalized())));
-}
-
-/// A hand that has turned over shows its other face, with the thumb on the other side: the same
-/// solid, its frame turned by half a turn about the fingers.
-void turn_over(Hypothesis& h) {
-  Eigen::Isometry3d& T = h.alignment.state.T_camera_hand;
-  if (T.linear().col(2).dot(T.translation()) <= 0) return;
-  h.appearance = {opposite(h.appearance.face), opposite(h.appearance.layout)};
-  T.linear().col(0) *= -1;
-  T.linear().col(2) *= -1;
-  h.fingers.reset();
 }
 
 }  // namespace
@@ -238,13 +222,11 @@ void Hypotheses::learn_person(double share, const TrackerConfig& config) noexcep
 }
 
 void Hypotheses::consider_edge(const MotionConfig& motion) noexcept {
-  const Eigen::Isometry3d& T = best().alignment.state.T_camera_hand;
-  if (count_ == kMost || turn_beyond_edge_rad(T) > motion.rotation_sigma_rad) return;
+  const HandState& state = best().alignment.state;
+  if (count_ == kMost || turn_through_edge_rad(state.T_camera_hand) > motion.rotation_sigma_rad)
+    return;
   Hypothesis& other = items_[count_++] = items_[0];
-  HandState& state = other.alignment.state;
-  state.T_camera_hand = beyond_edge(T);
-  const Eigen::Vector3d sight = T.translation().normalized(), turns = state.velocity.head<3>();
-  state.velocity.head<3>() = 2 * sight.dot(turns) * sight - turns;  // mirrored like its pose
+  other.alignment.state = beyond_edge(state);
   other.leads = false;
 }
 
@@ -265,7 +247,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     if (!h.alignment.valid) continue;
     HandState& now = h.alignment.state;
     now.velocity = before.difference(now).head<6>() / dt_s;
-    turn_over(h);
+    if (turn_over(h.appearance, now.T_camera_hand)) h.fingers.reset();
     h.log_weight += share * h.alignment.log_posterior;
   }
   keep_likely(config.belief);

@@ -98,27 +98,4 @@ Eigen::Isometry3d start_pose(const RoughFingers& seen, const PosedFigure& hand,
   return T.translation().z() > kNearest_m ? T : start;
 }
 
-namespace {
-
-Eigen::Isometry3d with_normal(const Eigen::Isometry3d& T_camera_hand,
-                              const Eigen::Vector3d& wanted) {
-  Eigen::Isometry3d T = T_camera_hand;
-  T.linear() = so3::between(T.linear().col(2), wanted).toRotationMatrix() * T.linear();
-  return T;
-}
-
-}  // namespace
-
-Eigen::Isometry3d other_planar_solution(const Eigen::Isometry3d& T_camera_hand) noexcept {
-  const Eigen::Vector3d sight = -T_camera_hand.translation().normalized();
-  const Eigen::Vector3d normal = T_camera_hand.linear().col(2);
-  return with_normal(T_camera_hand, 2 * sight.dot(normal) * sight - normal);
-}
-
-Eigen::Isometry3d beyond_edge(const Eigen::Isometry3d& T_camera_hand) noexcept {
-  const Eigen::Vector3d sight = -T_camera_hand.translation().normalized();
-  const Eigen::Vector3d normal = T_camera_hand.linear().col(2);
-  return with_normal(T_camera_hand, normal - 2 * sight.dot(normal) * sight);
-}
-
 }  // namespace handyar

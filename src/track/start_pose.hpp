@@ -13,10 +13,4 @@ namespace handyar {
 Eigen::Isometry3d start_pose(const RoughFingers& seen, const PosedFigure& hand,
                              const Camera& camera, double tilt_sigma_rad) noexcept;
 
-/// The other pose in which a plane looks nearly the same: its normal mirrored at the line of sight.
-Eigen::Isometry3d other_planar_solution(const Eigen::Isometry3d& T_camera_hand) noexcept;
-
-/// A hand that is seen from its edge turned through it, to as far on the other side.
-Eigen::Isometry3d beyond_edge(const Eigen::Isometry3d& T_camera_hand) noexcept;
-
 }  // namespace handyar
