@@ -232,7 +232,7 @@ PartShares Aligner::shares_of_hand(const ImageView& frame, const Camera& camera,
       if (!(p.z() > 0)) continue;
       const Eigen::Vector2f px = camera.project(p).cast<float>();
       if (!reader.covers(px.x(), px.y())) continue;
-      bins[count++] = reader.bin(static_cast<int>(px.x() + 0.5f), static_cast<int>(px.y() + 0.5f));
+      bins[count++] = reader.bin(reader.nearest_x(px.x()), reader.nearest_y(px.y()));
     }
     if (2 * count < kMostInside) continue;
     // By the rest of the hand's colours: a finger's own are those of what it was laid on.

@@ -36,7 +36,7 @@ class BoundaryLine {
   HANDYAR_ALWAYS_INLINE std::optional<Eigen::Vector2i> pixel(float r_px) const noexcept {
     const float x = from_.x() + r_px * step_.x(), y = from_.y() + r_px * step_.y();
     if (!reader_.covers(x, y)) return std::nullopt;
-    return Eigen::Vector2i(static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f));
+    return Eigen::Vector2i(reader_.nearest_x(x), reader_.nearest_y(y));
   }
 
   /// The boundary by the colours on both sides and, where `edges`, by steps in luma.

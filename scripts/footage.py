@@ -1,6 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Videos for the scripts beside this file."""
+"""Videos and tables for the scripts beside this file."""
+import csv
 import subprocess
+
+
+def rows(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
 
 
 def encoder(path, width, height, preset, crf):
