@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "track/hand_prior.hpp"
+
 namespace handyar::test {
 namespace {
 
@@ -50,6 +52,39 @@ TEST(Person, LearnsAShareOfAFrame) {
   const double known = 0.25 / (kSum_sigma * kSum_sigma + kRest_rad * kRest_rad);
   EXPECT_NEAR(person.information()(0, 0), 1 + known, 1e-9);
   EXPECT_NEAR(person.estimate().covariance(0, 0), 1 / (1 + known), 1e-9);
+}
+
+/// After a second in which every finger but the thumb is turned and bent by `angle_rad`.
+double liveliness_of(double angle_rad, double before, int frames_per_s) {
+  Posture posture;
+  for (int f = 1; f < kFingerCount; ++f)
+    posture.abduction_rad[f] = posture.flexion_rad[f] = f % 2 == 0 ? angle_rad : -angle_rad;
+  double liveliness = before;
+  for (int i = 0; i < frames_per_s; ++i)
+    liveliness = liveliness_after(1.0 / frames_per_s, posture, liveliness, {});
+  return liveliness;
+}
+
+TEST(Liveliness, FallsWhereFingersAreAtRestAndComesBackWhereTheyMove) {
+  const double still = liveliness_of(0.008, 1, 30);
+  EXPECT_GT(still, 0);
+  EXPECT_LT(still, 0.3);
+  const double moving = liveliness_of(0.04, still, 30);
+  EXPECT_GT(moving, 0.8);
+  EXPECT_LE(liveliness_of(1.0, still, 30), 1);
+}
+
+TEST(Liveliness, IsTheSameAtEveryFrameRate) {
+  EXPECT_NEAR(liveliness_of(0.03, 1, 15), liveliness_of(0.03, 1, 120), 1e-9);
+}
+
+TEST(Liveliness, FingersThatAreAtRestAreHeldSoMuchFirmer) {
+  const Person person(estimate_figure(average_adult_hand()));
+  const HandPrior lively = prior_around({}, person, kLongAgo_s, {}),
+                  still = prior_around({}, person, kLongAgo_s, {}, 0.5);
+  EXPECT_NEAR(still.information(kFlexionAt + 2, kFlexionAt + 2),
+              4 * lively.information(kFlexionAt + 2, kFlexionAt + 2), 1e-6);
+  EXPECT_EQ(still.information(0, 0), lively.information(0, 0));
 }
 
 }  // namespace

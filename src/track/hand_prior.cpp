@@ -8,13 +8,13 @@
 namespace handyar {
 
 HandPrior prior_around(const HandState& expected, const Person& person, double dt_s,
-                       const TrackerConfig& config) noexcept {
+                       const TrackerConfig& config, double liveliness) noexcept {
   const MotionConfig& motion = config.motion;
   HandPrior prior;
   prior.mean = expected;
   constexpr double kShortest_s = 1e-3;  // no information is infinite
   const double keeps = std::exp(-std::max(dt_s, kShortest_s) / motion.posture_s),
-               moves = std::sqrt(1 - keeps * keeps);
+               moves = liveliness * std::sqrt(1 - keeps * keeps);
   for (double& angle_rad : prior.mean.posture.abduction_rad) angle_rad *= keeps;
   for (double& angle_rad : prior.mean.posture.flexion_rad) angle_rad *= keeps;
   prior.mean.figure = person.mean();
@@ -36,6 +36,25 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
       abduction.llt().solve(Eigen::Matrix<double, kFingerCount, kFingerCount>::Identity());
   prior.information.bottomRightCorner<kFigureModes, kFigureModes>() = person.information();
   return prior;
+}
+
+double liveliness_after(double dt_s, const Posture& found, double before,
+                        const MotionConfig& motion) noexcept {
+  // Angles that are drawn to rest by a prior of variance v and measured with the variance n have a
+  // variance of at most v / 4 where there is no motion, whatever n is: with four times what is
+  // found v shrinks for a hand at rest, and for one that moves by more than n it does not.
+  constexpr double kUnshrunk = 4, kLeast = 0.125;
+  double found_variance = 0;
+  for (int f = 0; f < kFingerCount; ++f) {
+    const double sigma_rad = f == 0 ? motion.thumb_sigma_rad : motion.finger_sigma_rad;
+    found_variance += (found.abduction_rad[f] * found.abduction_rad[f] +
+                       found.flexion_rad[f] * found.flexion_rad[f]) /
+                      (2 * kFingerCount * sigma_rad * sigma_rad);
+  }
+  // It rises at once, since fingers that close would pull the palm with them.
+  const double now = kUnshrunk * found_variance, keeps = std::exp(-dt_s / motion.posture_s);
+  const double variance = std::max(now, keeps * before * before + (1 - keeps) * now);
+  return std::clamp(std::sqrt(variance), kLeast, 1.0);
 }
 
 }  // namespace handyar

@@ -13,7 +13,13 @@ constexpr double kLongAgo_s = std::numeric_limits<double>::infinity();
 
 /// The prior of a frame around an expected state whose fingers were seen `dt_s` ago: they go back
 /// to rest in time, and are the less sure the longer ago it was (an Ornstein-Uhlenbeck process).
+/// `liveliness`: how far they stray from rest, 1 as far as MotionConfig has it.
 HandPrior prior_around(const HandState& expected, const Person& person, double dt_s,
-                       const TrackerConfig& config) noexcept;
+                       const TrackerConfig& config, double liveliness = 1) noexcept;
+
+/// The liveliness, up to 1, after a frame in which the fingers were found so: fingers that are
+/// still are held still, and a palm that tilts is not taken for fingers that bend.
+double liveliness_after(double dt_s, const Posture& found, double before,
+                        const MotionConfig& motion) noexcept;
 
 }  // namespace handyar

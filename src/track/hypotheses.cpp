@@ -63,6 +63,7 @@ void Hypotheses::resume(const Hypothesis& hypothesis) noexcept {
   since_reconsidered_s_ = 0;
   items_[0] = hypothesis;
   items_[0].log_weight = 0;
+  items_[0].liveliness = 1;
 }
 
 void Hypotheses::keep_distinct(const Hypothesis& h) noexcept {
@@ -182,7 +183,8 @@ bool Hypotheses::lay_anew(const ImageView& frame, const Camera& camera, const Tr
     Hypothesis& h = items_[i];
     const double before = h.log_weight - share_of(kLongest_s, config) * h.alignment.log_posterior;
     Beginning beginning{frame, camera, h.person, config, aligner};
-    const HandPrior prior = prior_around(h.alignment.state, h.person, kLongest_s, config);
+    const HandPrior prior =
+        prior_around(h.alignment.state, h.person, kLongest_s, config, h.liveliness);
     beginning.settle(h, prior, kRoughly_m, kStay);
     beginning.settle(h, prior, kFinely_m, 0);
     h.log_weight += before;
@@ -217,7 +219,8 @@ Matrix6d Hypotheses::spread() const noexcept {
 
 void Hypotheses::learn_person(double share, const TrackerConfig& config) noexcept {
   for (Hypothesis& h : std::span(items_.data(), count_))
-    h.person.learn(h.alignment, prior_around(h.alignment.prior.mean, h.person, kLongAgo_s, config),
+    h.person.learn(h.alignment,
+                   prior_around(h.alignment.prior.mean, h.person, kLongAgo_s, config, h.liveliness),
                    share);
 }
 
@@ -239,14 +242,21 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     const HandState before = h.alignment.state;
     HandState expected = before;
     expected.T_camera_hand = before.pose_after(dt_s);
-    HandPrior prior = prior_around(expected, h.person, dt_s, config);
+    HandPrior prior = prior_around(expected, h.person, dt_s, config, h.liveliness);
     if (h.fingers) prior.fingers = h.fingers->in_frame(expected.T_camera_hand, camera);
     h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kNear_m);
-    if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen)
+    if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen) {
+      // What does not lie there any more may have moved its fingers.
+      h.liveliness = 1;
+      const auto fingers = prior.fingers;
+      prior = prior_around(expected, h.person, dt_s, config);
+      prior.fingers = fingers;
       h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kFar_m);
+    }
     if (!h.alignment.valid) continue;
     HandState& now = h.alignment.state;
     now.velocity = before.difference(now).head<6>() / dt_s;
+    h.liveliness = liveliness_after(dt_s, now.posture, h.liveliness, config.motion);
     if (turn_over(h.appearance, now.T_camera_hand)) h.fingers.reset();
     h.log_weight += share * h.alignment.log_posterior;
   }
@@ -276,9 +286,10 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera,
   Hypothesis alternative;
   alternative.appearance = appearance;
   alternative.person = now.person;
+  alternative.liveliness = now.liveliness;  // judged alike
   alternative.alignment =
       aligner.align(frame, camera, appearance, start,
-                    prior_around(start, now.person, kLongAgo_s, config), kFar_m);
+                    prior_around(start, now.person, kLongAgo_s, config, now.liveliness), kFar_m);
   alternative.log_weight = now.log_weight - config.belief.most_frame;
   keep_distinct(alternative);
 }

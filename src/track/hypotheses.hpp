@@ -23,6 +23,7 @@ struct Hypothesis {
   double log_weight = 0;               ///< evidence so far, nats
   bool leads = false;                  ///< it is the one that is reported
   std::optional<SeenFingers> fingers;  ///< as the finder last saw them
+  double liveliness = 1;               ///< of its fingers
 };
 
 /// The ways to see the hand that are still possible; the one that is reported first. Empty: no

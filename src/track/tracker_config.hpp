@@ -34,7 +34,7 @@ struct MotionConfig {
   double rotation_sigma_rad = 0.35;   ///< of a frame's pose around what the frames before foretell
   double translation_sigma_m = 0.06;  ///< the same
   double posture_s = 0.15;            ///< about as long a finger keeps its turn and its bend
-  double finger_sigma_rad = 0.08;     ///< of a finger's turn, and bend, about the person's rest
+  double finger_sigma_rad = 0.08;     ///< of a lively finger's turn, and bend, about its rest
   double closing_sigma = 0.25;        ///< of how far all close together, 1 is side by side
   double thumb_sigma_rad = 0.2;       ///< of both for the thumb, which moves twice as far
   double boundary_sigma_px = 0.3;     ///< change of the outline's offset in a frame
