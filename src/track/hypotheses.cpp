@@ -242,16 +242,15 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     const HandState before = h.alignment.state;
     HandState expected = before;
     expected.T_camera_hand = before.pose_after(dt_s);
-    HandPrior prior = prior_around(expected, h.person, dt_s, config, h.liveliness);
-    if (h.fingers) prior.fingers = h.fingers->in_frame(expected.T_camera_hand, camera);
-    h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kNear_m);
+    const auto lay = [&](double reach_m) {
+      HandPrior prior = prior_around(expected, h.person, dt_s, config, h.liveliness);
+      if (h.fingers) prior.fingers = h.fingers->in_frame(expected.T_camera_hand, camera);
+      h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, reach_m);
+    };
+    lay(kNear_m);
     if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen) {
-      // What does not lie there any more may have moved its fingers.
-      h.liveliness = 1;
-      const auto fingers = prior.fingers;
-      prior = prior_around(expected, h.person, dt_s, config);
-      prior.fingers = fingers;
-      h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, kFar_m);
+      h.liveliness = 1;  // what does not lie there any more may have moved its fingers
+      lay(kFar_m);
     }
     if (!h.alignment.valid) continue;
     HandState& now = h.alignment.state;
