@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 
 namespace handyar {
 namespace {
@@ -104,33 +105,124 @@ FigureDerivative figure_derivative(int sphere, Face face, Layout layout) noexcep
   return d;
 }
 
+namespace {
+
+/// What fingertips in the hand plane tell: the figure, the five abductions, and by how much the
+/// frame in which they were measured is turned in the hand plane.
+constexpr int kTipPlaces = 2 * kFingerCount, kTurnAt = kFigureModes + kFingerCount,
+              kHeldFreedoms = kTurnAt + 1;
+using TipPlaces = Eigen::Matrix<double, kTipPlaces, 1>;
+using TipMatrix = Eigen::Matrix<double, kTipPlaces, kTipPlaces>;
+using Held = Eigen::Matrix<double, kHeldFreedoms, 1>;
+using HeldMatrix = Eigen::Matrix<double, kHeldFreedoms, kHeldFreedoms>;
+using HeldDerivative = Eigen::Matrix<double, kTipPlaces, kHeldFreedoms>;
+
+Eigen::Vector2d quarter_turn(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+
+/// Fingertips of a palm in thumb_right, in the frame that HandModel says, and by what they change.
+TipPlaces tips_of(const Held& held, HeldDerivative& J) {
+  Posture posture;
+  for (int f = 0; f < kFingerCount; ++f) posture.abduction_rad[f] = held[kFigureModes + f];
+  const PosedFigure posed = pose_fingers(
+      make_figure(held.head<kFigureModes>(), Face::palm, Layout::thumb_right), posture);
+  const Eigen::Matrix2d R = Eigen::Rotation2Dd(held[kTurnAt]).toRotationMatrix();
+  TipPlaces places;
+  J.setZero();
+  for (int f = 0; f < kFingerCount; ++f) {
+    const Eigen::Vector2d tip = posed.tips_m.col(f).head<2>(),
+                          root = posed.centres_m.col(sphere_of(f, 0)).head<2>();
+    places.segment<2>(2 * f) = R * tip;
+    for (int k = 0; k < kFigureModes; ++k) {
+      const float* mode = kFigureModes_m[k] + kTipOffset + 3 * f;
+      J.block<2, 1>(2 * f, k) = R * Eigen::Vector2d(mode[0], mode[1]);
+    }
+    J.block<2, 1>(2 * f, kFigureModes + f) = -R * quarter_turn(tip - root);  // towards the thumb
+    J.block<2, 1>(2 * f, kTurnAt) = quarter_turn(R * tip);
+  }
+  constexpr int kX = 2 * static_cast<int>(Finger::middle),
+                kY = 2 * static_cast<int>(Finger::thumb) + 1;
+  const Eigen::Vector2d origin(places[kX], places[kY]);
+  Eigen::Matrix<double, 2, kHeldFreedoms> of_origin;
+  of_origin << J.row(kX), J.row(kY);
+  for (int f = 0; f < kFingerCount; ++f) {
+    places.segment<2>(2 * f) -= origin;
+    J.middleRows<2>(2 * f) -= of_origin;
+  }
+  return places;
+}
+
+struct FigureOfTips {
+  FigureEstimate figure;
+  double log_likelihood = 0;  ///< of the fingertips, nats
+};
+
+/// By fingertips, of a hand that is held with this prior (Gauss-Newton).
+FigureOfTips figure_of_tips(const TipPlaces& tips_m, const TipPlaces& variance_m2,
+                            const HeldMatrix& prior) {
+  constexpr int kSteps = 10;
+  FigureOfTips result;
+  Held held = Held::Zero();
+  for (int step = 0; step < kSteps; ++step) {
+    HeldDerivative J;
+    const TipPlaces places = tips_of(held, J), off = tips_m - places + J * held;
+    TipMatrix S = J * prior * J.transpose();
+    S.diagonal() += variance_m2;
+    const Eigen::LLT<TipMatrix> llt(S);
+    const HeldDerivative by_prior = J * prior;
+    held = by_prior.transpose() * llt.solve(off);
+    result.figure.mean = held.head<kFigureModes>();
+    result.figure.covariance = (prior - by_prior.transpose() * llt.solve(by_prior))
+                                   .topLeftCorner<kFigureModes, kFigureModes>();
+    result.log_likelihood =
+        -0.5 * off.dot(llt.solve(off)) - llt.matrixLLT().diagonal().array().log().sum();
+  }
+  return result;
+}
+
+}  // namespace
+
+Eigen::Matrix<double, kFingerCount, kFingerCount> abduction_covariance_rad2() noexcept {
+  using Abductions = Eigen::Matrix<double, kFingerCount, 1>;
+  Abductions sigma = Abductions::Constant(kFingerSigma_rad);
+  sigma[static_cast<int>(Finger::thumb)] = kThumbSigma_rad;
+  const Abductions together = kClosingSigma * Eigen::Map<const Abductions>(kClosing_rad.data());
+  Eigen::Matrix<double, kFingerCount, kFingerCount> covariance = together * together.transpose();
+  covariance.diagonal() += sigma.cwiseAbs2();
+  return covariance;
+}
+
 FigureEstimate estimate_figure(const HandModel& hand) noexcept {
   if (hand.figure) return *hand.figure;
-  FigureEstimate estimate;
-  if (hand.source == HandSource::average_adult) return estimate;
+  if (hand.source == HandSource::average_adult) return {};
   const HandModel seen = hand.for_layout(Layout::thumb_right);
   // Tips that say nothing of their doubt were measured to about a millimetre; a hand whose scale is
-  // assumed still tells the shape.
+  // assumed still tells the shape. Heights over the hand plane change sign with the face, which a
+  // model does not tell.
   constexpr double kMeasured_m = 0.001;
-  constexpr int kCoordinates = 3 * kFingerCount;
-  Eigen::Matrix<double, kCoordinates, kFigureModes> A;
-  Eigen::Matrix<double, kCoordinates, 1> y, variance;
-  for (int i = 0; i < kCoordinates; ++i) {
-    const int f = i / 3, axis = i % 3, entry = kTipOffset + i;
-    for (int k = 0; k < kFigureModes; ++k) A(i, k) = kFigureModes_m[k][entry];
-    y[i] = seen.tips_m(axis, f) - kFigureMean_m[entry];
-    const double stated = std::max(seen.tips_sigma_m(axis, f), kMeasured_m);
-    variance[i] = stated * stated + kFigureSigma_m[entry] * kFigureSigma_m[entry];
-    // Heights over the hand plane change sign with the face, which a model does not tell.
-    if (axis == 2) variance[i] = 1.0;
+  TipPlaces tips_m, variance_m2;
+  for (int i = 0; i < kTipPlaces; ++i) {
+    const int f = i / 2, axis = i % 2;
+    const double stated_m = std::max(seen.tips_sigma_m(axis, f), kMeasured_m),
+                 unexplained_m = kFigureSigma_m[kTipOffset + 3 * f + axis];
+    tips_m[i] = seen.tips_m(axis, f);
+    variance_m2[i] = stated_m * stated_m + unexplained_m * unexplained_m;
   }
-  const Eigen::Matrix<double, kFigureModes, kFigureModes> information =
-      decltype(estimate.covariance)::Identity() +
-      A.transpose() * variance.cwiseInverse().asDiagonal() * A;
-  const Eigen::LLT<decltype(estimate.covariance)> llt(information);
-  estimate.mean = llt.solve(A.transpose() * variance.cwiseInverse().cwiseProduct(y));
-  estimate.covariance = llt.solve(decltype(estimate.covariance)::Identity());
-  return estimate;
+  // Fingers are held at rest or otherwise, and which way is along the middle finger fingertips
+  // alone do not tell whoever measured them: the likeliest of these.
+  constexpr double kTurned_rad = 0.35;
+  FigureOfTips likeliest;
+  likeliest.log_likelihood = -std::numeric_limits<double>::infinity();
+  for (const double strays : {0.0, 1.0})
+    for (const double turned_rad : {0.0, kTurned_rad}) {
+      HeldMatrix prior = HeldMatrix::Zero();
+      prior.topLeftCorner<kFigureModes, kFigureModes>().setIdentity();
+      prior.block<kFingerCount, kFingerCount>(kFigureModes, kFigureModes) =
+          strays * abduction_covariance_rad2();
+      prior(kTurnAt, kTurnAt) = turned_rad * turned_rad;
+      const FigureOfTips told = figure_of_tips(tips_m, variance_m2, prior);
+      if (told.log_likelihood > likeliest.log_likelihood) likeliest = told;
+    }
+  return likeliest.figure;
 }
 
 FigureEstimate rescaled(const FigureEstimate& figure, double factor) noexcept {

@@ -21,17 +21,12 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   HandVector sigma = HandVector::Ones();
   sigma.head<3>().setConstant(motion.rotation_sigma_rad);
   sigma.segment<3>(3).setConstant(motion.translation_sigma_m);
-  sigma.segment<kFingerCount>(kAbductionAt).setConstant(moves * motion.finger_sigma_rad);
-  sigma.segment<kFingerCount>(kFlexionAt).setConstant(moves * motion.finger_sigma_rad);
-  sigma[kAbductionAt] = sigma[kFlexionAt] = moves * motion.thumb_sigma_rad;
+  sigma.segment<kFingerCount>(kFlexionAt).setConstant(moves * kFingerSigma_rad);
+  sigma[kFlexionAt] = moves * kThumbSigma_rad;
   sigma[kBoundaryAt] = motion.boundary_sigma_px;
   prior.information = sigma.array().square().inverse().matrix().asDiagonal();
-  // Besides turning each for itself, fingers close and open together.
-  using Abductions = Eigen::Matrix<double, kFingerCount, 1>;
-  const Abductions together =
-      moves * motion.closing_sigma * Eigen::Map<const Abductions>(kClosing_rad.data());
-  Eigen::Matrix<double, kFingerCount, kFingerCount> abduction = together * together.transpose();
-  abduction.diagonal() += sigma.segment<kFingerCount>(kAbductionAt).array().square().matrix();
+  const Eigen::Matrix<double, kFingerCount, kFingerCount> abduction =
+      moves * moves * abduction_covariance_rad2();
   prior.information.block<kFingerCount, kFingerCount>(kAbductionAt, kAbductionAt) =
       abduction.llt().solve(Eigen::Matrix<double, kFingerCount, kFingerCount>::Identity());
   prior.information.bottomRightCorner<kFigureModes, kFigureModes>() = person.information();
@@ -46,7 +41,7 @@ double liveliness_after(double dt_s, const Posture& found, double before,
   constexpr double kUnshrunk = 4, kLeast = 0.125;
   double found_variance = 0;
   for (int f = 0; f < kFingerCount; ++f) {
-    const double sigma_rad = f == 0 ? motion.thumb_sigma_rad : motion.finger_sigma_rad;
+    const double sigma_rad = f == 0 ? kThumbSigma_rad : kFingerSigma_rad;
     found_variance += (found.abduction_rad[f] * found.abduction_rad[f] +
                        found.flexion_rad[f] * found.flexion_rad[f]) /
                       (2 * kFingerCount * sigma_rad * sigma_rad);

@@ -57,6 +57,13 @@ PosedFigure pose_fingers(const HandFigure& figure, const Posture& posture) noexc
 /// the edge of the palm.
 inline constexpr std::array<double, kFingerCount> kClosing_rad{-0.6, -0.27, 0, 0.23, 0.54};
 
+/// How lively fingers stray from rest, standard deviations: a finger's turn and bend, the thumb's,
+/// which moves twice as far, and how far all close together, 1 is side by side.
+inline constexpr double kFingerSigma_rad = 0.08, kThumbSigma_rad = 0.2, kClosingSigma = 0.25;
+
+/// Covariance of the five abductions by all of these.
+Eigen::Matrix<double, kFingerCount, kFingerCount> abduction_covariance_rad2() noexcept;
+
 /// Triples of spheres; the third is -1 where a hull has two.
 std::span<const std::array<std::int8_t, 3>> figure_hulls() noexcept;
 
@@ -69,7 +76,9 @@ FigureDerivative figure_derivative(int sphere, Face face, Layout layout) noexcep
 
 /// What a hand model says of the person: its figure where it has one; else the figures of people
 /// at large, conditioned on its fingertips, each as well known as it states. An average hand is
-/// people at large.
+/// people at large. Where hardly a hand at rest has such fingertips, they were measured on one that
+/// held its fingers otherwise, in a frame that may be turned in the hand plane: its figure is the
+/// one at rest, and poses are those of that one's hand frame.
 FigureEstimate estimate_figure(const HandModel& hand) noexcept;
 
 /// The figure of a hand of the same shape that is `factor` times as large, as well as the modes can
