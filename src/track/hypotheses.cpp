@@ -49,7 +49,8 @@ void Hypotheses::sort_and_prune(const BeliefConfig& belief) noexcept {
   const auto likelier = [&](const auto& a, const auto& b) { return weight(a) > weight(b); };
   for (auto item = items_.begin(); item != items_.begin() + count_; ++item)
     std::rotate(std::upper_bound(items_.begin(), item, *item, likelier), item, item + 1);
-  while (count_ > 1 && items_[count_ - 1].log_weight < items_[0].log_weight - belief.most) --count_;
+  while (count_ > 1 && items_[count_ - 1].log_weight < items_[0].log_weight - belief.most())
+    --count_;
   const double best = count_ > 0 ? items_[0].log_weight : 0;
   for (int i = 0; i < count_; ++i) {
     items_[i].log_weight -= best;
@@ -272,16 +273,12 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera,
                             const TrackerConfig& config, Aligner& aligner) noexcept {
   if (count_ != 1) return;
   const Hypothesis& now = items_[0];
-  constexpr int kAlternatives = 3;
-  const bool other_face = !config.user.side && turn_ % kAlternatives != 2;
-  const bool other_plane = !other_face || turn_ % kAlternatives != 0;
-  ++turn_;
   Appearance appearance = now.appearance;
-  if (other_face) appearance.face = opposite(appearance.face);
+  if (!config.user.side) appearance.face = opposite(appearance.face);
   HandState start = now.alignment.state;
   start.posture = {};
   start.velocity.setZero();
-  if (other_plane) start.T_camera_hand = other_planar_solution(start.T_camera_hand);
+  start.T_camera_hand = other_planar_solution(start.T_camera_hand);
   Hypothesis alternative;
   alternative.appearance = appearance;
   alternative.person = now.person;

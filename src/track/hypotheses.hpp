@@ -68,8 +68,8 @@ class Hypotheses {
   /// A hand near its edge may turn through it or back, and looks the same for a while.
   void consider_edge(const MotionConfig& motion) noexcept;
 
-  /// Thinks again of the other face or the other planar solution, one at a time: colours and figure
-  /// are better known than when they were given up, and hands turn over.
+  /// Thinks again of the other face, where nobody told which it is, in the other planar solution:
+  /// colours and figure are better known than when they were given up, and hands turn over.
   void reconsider(const ImageView& frame, const Camera& camera, const TrackerConfig& config,
                   Aligner& aligner) noexcept;
   /// Those that have come to the same become one; then sorts and prunes.
@@ -83,7 +83,6 @@ class Hypotheses {
 
   std::array<Hypothesis, kMost> items_;
   int count_ = 0;
-  int turn_ = 0;  ///< of the alternatives, which one is next
   double since_reconsidered_s_ = 0;
 };
 

@@ -42,7 +42,7 @@ const HandCandidate* HandTracker::Impl::seen_again() const noexcept {
 
 double HandTracker::Impl::verdict() const noexcept {
   const HandPlace now = followed();
-  double says = config.belief.give_up;  // unseen: it may be too tilted, or half hidden
+  double says = config.belief.give_up();  // unseen: it may be too tilted, or half hidden
   for (const HandCandidate& candidate : candidates) {
     if (is_of_other(candidate)) continue;
     const Reading reading = compare(candidate, now);

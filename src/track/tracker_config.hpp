@@ -10,23 +10,25 @@ namespace handyar {
 /// When a hand is believed. What a frame shows adds to the belief, its log odds of hand against no
 /// hand, by the time it stands for; older frames fade.
 struct BeliefConfig {
-  double believe = 2.0;     ///< log odds from which on a hand is tracked
-  double give_up = -2.0;    ///< log odds below which it is lost
-  double most = 8.0;        ///< no hand is believed more, so that it can be given up in time
-  double most_frame = 4.0;  ///< no frame says more, either way
+  double believe = 2.0;     ///< log odds from which on a hand is tracked; lost below minus that
+  double most_frame = 4.0;  ///< no frame says more, either way, and no hand is believed more than
+                            ///< by two such, so that it can be given up in time
   /// Frames err alike for so long: what they say counts by their time, the finder is asked this
   /// often about a hand that is followed surely, and one that is read otherwise is doubtful.
   double same_s = 0.2;
   /// Log ratio of a frame from which on a figure is seen to lie on a hand. Right ones have 6 to 9
   /// in dim rooms and more in others, those that have strayed about 4 and less (real clips).
   double seen = 5.0;
-  /// A hand is doubtful that frames say less of in the mean, log odds, older ones fading this fast:
+  /// A hand is doubtful that frames say less of in the mean, log odds, older ones fading in same_s:
   /// right hands in dim rooms dip for a frame or two, and what stands on them would flicker.
-  double doubt = -1.0, lately_s = 0.1;
+  double doubt = -1.0;
   /// And one whose figure has a smaller log ratio in one frame: figures that leap have 2 and less.
   double leaps = 3.0;
   double doubt_rad =
       0.2;  ///< a pose whose orientation is less sure (standard deviation) is doubtful
+
+  double give_up() const { return -believe; }
+  double most() const { return 2 * most_frame; }
 };
 
 /// How a hand moves from frame to frame, and how fingers do.
@@ -34,9 +36,6 @@ struct MotionConfig {
   double rotation_sigma_rad = 0.35;   ///< of a frame's pose around what the frames before foretell
   double translation_sigma_m = 0.06;  ///< the same
   double posture_s = 0.15;            ///< about as long a finger keeps its turn and its bend
-  double finger_sigma_rad = 0.08;     ///< of a lively finger's turn, and bend, about its rest
-  double closing_sigma = 0.25;        ///< of how far all close together, 1 is side by side
-  double thumb_sigma_rad = 0.2;       ///< of both for the thumb, which moves twice as far
   double boundary_sigma_px = 0.3;     ///< change of the outline's offset in a frame
 };
 

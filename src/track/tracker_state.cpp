@@ -117,11 +117,11 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
   if (has_hand()) {
     const double share = std::clamp(dt_s / limits.same_s, 0.0, 1.0);
     const double says = evidence_of(seen.hypotheses.best().alignment, seen.whole);
-    seen.belief = std::min(seen.belief + share * says, limits.most);
-    seen.lately += std::clamp(dt_s / limits.lately_s, 0.0, 1.0) * (says - seen.lately);
+    seen.belief = std::min(seen.belief + share * says, limits.most());
+    seen.lately += share * (says - seen.lately);
   }
   const bool was = has_followed();
-  if (!has_hand() || seen.belief < limits.give_up) {
+  if (!has_hand() || seen.belief < limits.give_up()) {
     seen.hypotheses.clear();
     seen.belief = seen.lately = 0;
     constexpr double kRemember_s = 3.0;
