@@ -16,7 +16,6 @@ namespace {
 constexpr std::array<double, 2> kRoughly_m{0.006, 0.004}, kFinely_m{0.003, 0.002};
 // How far off the outline may be then, and how far it may stay while it is rough, in margins.
 constexpr double kReach = 3.5, kStay = 2.5;
-constexpr double kForgetAll = 1e-3;
 // Whether a hand is small or its fingers are close together is told badly, and a figure that has
 // settled in a wrong size stays in it: it begins with its fingers apart and almost side by side.
 constexpr std::array<double, 2> kClosed{0, 0.7};
@@ -121,7 +120,7 @@ struct Beginning {
   void settle(Hypothesis& h, const HandPrior& prior, std::span<const double> margins_m,
               double stay) noexcept {
     for (const double margin_m : margins_m) {
-      aligner.learn(frame, camera, h.appearance, h.alignment.state, kForgetAll, margin_m);
+      aligner.learn(frame, camera, h.appearance, h.alignment.state, 0, margin_m);
       align(h, prior, kReach * margin_m, stay * margin_m);
       if (!h.alignment.valid) return;
     }

@@ -42,14 +42,10 @@ const HandCandidate* HandTracker::Impl::seen_again() const noexcept {
 
 double HandTracker::Impl::verdict() const noexcept {
   const HandPlace now = followed();
-  double says = config.belief.give_up();  // unseen: it may be too tilted, or half hidden
-  for (const HandCandidate& candidate : candidates) {
-    if (is_of_other(candidate)) continue;
-    const Reading reading = compare(candidate, now);
-    if (reading == Reading::same) return candidate.log_odds;
-    if (reading == Reading::otherwise && candidate.log_odds > 0) says = 0;
-  }
-  return says;
+  for (const HandCandidate& candidate : candidates)
+    if (!is_of_other(candidate) && compare(candidate, now) == Reading::same)
+      return candidate.log_odds;
+  return config.belief.give_up();  // unseen, or read otherwise: too tilted, or half hidden
 }
 
 void HandTracker::Impl::find(const ImageView& frame, bool only_there) noexcept {
