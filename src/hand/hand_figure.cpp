@@ -165,16 +165,17 @@ FigureOfTips figure_of_tips(const TipPlaces& tips_m, const TipPlaces& variance_m
   for (int step = 0; step < kSteps; ++step) {
     HeldDerivative J;
     const TipPlaces places = tips_of(held, J), off = tips_m - places + J * held;
-    TipMatrix S = J * prior * J.transpose();
+    const HeldDerivative by_prior = J * prior;
+    TipMatrix S = by_prior * J.transpose();
     S.diagonal() += variance_m2;
     const Eigen::LLT<TipMatrix> llt(S);
-    const HeldDerivative by_prior = J * prior;
-    held = by_prior.transpose() * llt.solve(off);
+    const TipPlaces weighted = llt.solve(off);
+    held = by_prior.transpose() * weighted;
     result.figure.mean = held.head<kFigureModes>();
     result.figure.covariance = (prior - by_prior.transpose() * llt.solve(by_prior))
                                    .topLeftCorner<kFigureModes, kFigureModes>();
     result.log_likelihood =
-        -0.5 * off.dot(llt.solve(off)) - llt.matrixLLT().diagonal().array().log().sum();
+        -0.5 * off.dot(weighted) - llt.matrixLLT().diagonal().array().log().sum();
   }
   return result;
 }
