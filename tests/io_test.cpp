@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Files and inputs of handyar::io: what is written is read back, what is wrong is named.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -13,6 +14,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <sstream>
 
 #include "handyar/io/camera_file.hpp"
@@ -23,6 +25,7 @@
 #include "handyar/io/latest_frame.hpp"
 #include "handyar/io/pending_file.hpp"
 #include "handyar/io/pose_csv.hpp"
+#include "handyar/io/quiet_standard_error.hpp"
 #include "handyar/io/recording.hpp"
 #include "handyar/io/sample.hpp"
 #include "handyar/io/video_writer.hpp"
@@ -364,6 +367,29 @@ TEST_F(IoTest, WhatALinkLeadsToIsMade) {
   EXPECT_TRUE(fs::is_symlink(path("second.txt")));
   EXPECT_EQ(read_text(path("target.txt")), "new");
   EXPECT_EQ(files(), 3u);
+}
+
+TEST_F(IoTest, StandardErrorComesBackWhenTheLastHasEnded) {
+  const auto null = [] {
+    struct stat a, b;
+    ::fstat(STDERR_FILENO, &a);
+    ::stat("/dev/null", &b);
+    return a.st_rdev == b.st_rdev;
+  };
+  const int before = ::dup(STDERR_FILENO);
+  const int file = ::open(path("err").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  ::dup2(file, STDERR_FILENO);
+  auto first = std::make_optional<QuietStandardError>();  // as two threads may have it
+  auto second = std::make_optional<QuietStandardError>();
+  first.reset();
+  const bool quiet = null();
+  second.reset();
+  const bool loud = !null();
+  ::dup2(before, STDERR_FILENO);
+  ::close(before);
+  ::close(file);
+  EXPECT_TRUE(quiet);
+  EXPECT_TRUE(loud);
 }
 
 TEST_F(IoTest, NamesMayBeAsLongAsTheSystemAllows) {

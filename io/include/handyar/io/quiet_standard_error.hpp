@@ -3,17 +3,14 @@
 
 namespace handyar::io {
 
-/// Nothing goes to standard error while one lives. libpng and libjpeg complain there directly when
-/// a picture is decoded; no setting of OpenCV's stops that.
+/// Nothing goes to standard error while one lives, in any thread. libpng and libjpeg complain there
+/// directly when a picture is decoded; no setting of OpenCV's stops that.
 class QuietStandardError {
  public:
   QuietStandardError();
   ~QuietStandardError();
   QuietStandardError(const QuietStandardError&) = delete;
   QuietStandardError& operator=(const QuietStandardError&) = delete;
-
- private:
-  int saved_;
 };
 
 }  // namespace handyar::io
