@@ -3,6 +3,7 @@
 // the files it leaves are looked at.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -281,6 +282,39 @@ TEST_F(CliTest, InterruptFinishesTheFiles) {
   const std::string poses = contents(out("p.csv"));
   EXPECT_EQ(poses.back(), '\n');
   EXPECT_LT(lines(poses), 201);
+}
+
+TEST_F(CliTest, OneInterruptEndsTheWaitForThePipesReader) {
+  ASSERT_EQ(::mkfifo(out("p.csv").c_str(), 0600), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::freopen("/dev/null", "w", stderr);
+    ::execl(HANDYAR_PROGRAM, "handyar", "track", kVideo.c_str(), "--poses", out("p.csv").c_str(),
+            nullptr);
+    ::_exit(99);
+  }
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  ::kill(child, SIGTERM);
+  int status = 0;
+  for (int i = 0; ::waitpid(child, &status, WNOHANG) == 0; ++i) {
+    if (i == 100) ::kill(child, SIGKILL);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+}
+
+TEST_F(CliTest, WhatStandardOutputHoldsStays) {
+  for (const char* file : {"--poses", "--events"}) {
+    std::ofstream(out("all")) << "before\n";
+    const std::string command = std::string("'" HANDYAR_PROGRAM "' track ") + kVideo + " " + file +
+                                " /dev/stdout >>" + out("all") + " 2>/dev/null";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    const std::string all = contents(out("all"));
+    EXPECT_EQ(all.rfind("before\n", 0), 0u) << all;
+    EXPECT_GT(lines(all), 1);
+    EXPECT_EQ(all.find(" tracked, median"), std::string::npos) << "the summary is elsewhere";
+  }
 }
 
 TEST_F(CliTest, DebugWritesTheStagesOfTheChosenFrames) {

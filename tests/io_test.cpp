@@ -12,6 +12,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -357,6 +358,23 @@ TEST_F(IoTest, WhatIsNoRegularFileIsWrittenDirectly) {
   write_text(path("link.txt"), "new");
   EXPECT_TRUE(fs::is_symlink(path("link.txt")));
   EXPECT_EQ(read_text(path("target.txt")), "new");
+}
+
+TEST_F(IoTest, WhatIsOpenAlreadyIsWrittenOn) {
+  write_text(path("all.csv"), "before\n");
+  const int file = ::open(path("all.csv").c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  fs::create_symlink("/dev/fd/" + std::to_string(file), path("link.csv"));
+  write_text("/dev/fd/" + std::to_string(file), "new\n");
+  write_text(path("link.csv"), "newer\n");
+  ::close(file);
+  EXPECT_EQ(read_text(path("all.csv")), "before\nnew\nnewer\n");
+}
+
+TEST_F(IoTest, APipeIsOpenedOnce) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  auto reader = std::async(std::launch::async, [&] { return read_text(path("pipe")); });
+  write_text(path("pipe"), "all of it");
+  EXPECT_EQ(reader.get(), "all of it");
 }
 
 TEST_F(IoTest, WhatALinkLeadsToIsMade) {

@@ -3,10 +3,12 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <iostream>
 #include <sstream>
 
 namespace fs = std::filesystem;
@@ -16,10 +18,7 @@ namespace {
 
 volatile std::sig_atomic_t caught_signal = 0;
 
-void note_signal(int signal) {
-  caught_signal = signal;
-  std::signal(signal, SIG_DFL);
-}
+void note_signal(int signal) { caught_signal = signal; }
 
 bool same_file(const std::string& a, const std::string& b) {
   if (a.empty() || b.empty()) return false;
@@ -64,9 +63,20 @@ void require_distinct_files(const std::vector<std::string>& inputs,
   }
 }
 
+std::ostream& beside(const std::vector<std::string>& outputs) {
+  const bool taken = std::find(outputs.begin(), outputs.end(), "/dev/stdout") != outputs.end();
+  return taken ? std::cerr : std::cout;
+}
+
 void catch_interrupts() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
-    if (std::signal(signal, note_signal) == SIG_IGN) std::signal(signal, SIG_IGN);  // nohup
+  // Without SA_RESTART: what waits for the reader of a pipe is not to wait on.
+  struct sigaction noted = {}, before = {};
+  noted.sa_handler = note_signal;
+  noted.sa_flags = SA_RESETHAND;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    ::sigaction(signal, &noted, &before);
+    if (before.sa_handler == SIG_IGN) ::sigaction(signal, &before, nullptr);  // nohup
+  }
   std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is then a fault of writing
 }
 

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <iosfwd>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -50,6 +51,10 @@ struct WrongUsage : std::runtime_error {
 /// are none.
 void require_distinct_files(const std::vector<std::string>& inputs,
                             const std::vector<std::string>& outputs);
+
+/// Where a run says what became of it: standard output, or standard error where one of the outputs
+/// is /dev/stdout.
+std::ostream& beside(const std::vector<std::string>& outputs);
 
 /// Notes SIGINT, SIGTERM and SIGHUP so that loops can end and finish their files; a second one
 /// kills.

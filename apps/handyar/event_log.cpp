@@ -5,7 +5,7 @@
 
 namespace handyar::cli {
 
-EventLog::EventLog(const std::string& path) : file_(path), stream_(file_.path()) { check(); }
+EventLog::EventLog(const std::string& path) : file_(path), stream_(file_.stream()) {}
 
 void EventLog::write(std::string_view event, std::int64_t frame, double time_s,
                      const nlohmann::ordered_json& more) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <iostream>
 #include <memory>
 #include <optional>
+#include <ostream>
 
 #include "command.hpp"
 #include "event_log.hpp"
@@ -49,7 +49,7 @@ int inspect(TrackingRun run, const std::string& scene_file, const std::string& e
     throw;
   }
   if (log) log->finish();
-  std::cout << describe(summary) << '\n';
+  beside({events_file}) << describe(summary) << '\n';
   return exit_code(summary);
 }
 

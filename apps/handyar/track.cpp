@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <cstdio>
-#include <iostream>
 #include <map>
 #include <memory>
+#include <ostream>
 #include <vector>
 
 #include "command.hpp"
@@ -175,8 +175,7 @@ Command add_track(CLI::App& app) {
             stand_on_hand(*choices, *run);
             run->debug_frames = debug_frames_of(*choices, *run);
             const Summary summary = track(*run);
-            std::ostream& to = run->poses_out == "/dev/stdout" ? std::cerr : std::cout;
-            to << describe(summary) << '\n';
+            beside({run->poses_out, run->events_out}) << describe(summary) << '\n';
             return exit_code(summary);
           }};
 }

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
+#include <ostream>
 
 #include "command.hpp"
 #include "event_log.hpp"
@@ -36,7 +36,7 @@ struct Choices {
 // One row for each frame (docs/formats.md).
 class WorldCsv {
  public:
-  explicit WorldCsv(const std::string& path) : file_(path), stream_(file_.path()) {
+  explicit WorldCsv(const std::string& path) : file_(path), stream_(file_.stream()) {
     put("frame,time_s,state,qw,qx,qy,qz,tx_m,ty_m,tz_m,points,inliers,rms_px,sigma_rotation_rad,"
         "sigma_translation_m,hindrance");
   }
@@ -249,8 +249,8 @@ int world_of(TrackingRun run, const Choices& choices) {
     throw;
   }
   world.finish();
-  std::ostream& to = choices.poses == "/dev/stdout" ? std::cerr : std::cout;
-  to << world.describe() << "\nhand: " << describe(summary) << '\n';
+  beside({choices.poses, choices.events})
+      << world.describe() << "\nhand: " << describe(summary) << '\n';
   return exit_code(summary);
 }
 

@@ -36,6 +36,18 @@ fs::path behind_links(fs::path path) {
   return fault || canonical.empty() ? path : canonical;
 }
 
+// Whether the name stands for a file that a process has open, as /dev/stdout does: what is in it is
+// not ours to replace, though it may be a regular file.
+bool is_open_file(fs::path path) {
+  std::error_code fault;
+  for (int links = 0; links < 40 && fs::is_symlink(path, fault); ++links) {
+    const fs::path folder = fs::weakly_canonical(fs::absolute(path).parent_path(), fault);
+    if (folder.string().starts_with("/proc/")) return true;
+    path = folder / fs::read_symlink(path, fault);
+  }
+  return false;
+}
+
 // Beside `destination`: what it is called until it is complete.
 std::string partial_prefix(const fs::path& destination) {
   return destination.stem().string().substr(0, kMaxStemBytes) + ".partial-";
@@ -72,21 +84,21 @@ PendingFile::PendingFile(const std::string& target) : target_(target) {
   // Behind a symbolic link the file itself is replaced, not the link.
   const fs::path destination = behind_links(target);
   destination_ = destination.string();
-  pending_ = !fs::exists(destination, ignored) || fs::is_regular_file(destination, ignored);
-  if (pending_) {
-    remove_leftovers(destination);
-    const fs::path name =
-        partial_prefix(destination) + std::to_string(::getpid()) + destination.extension().string();
-    path_ = (destination.parent_path() / name).string();
-  } else {
-    path_ = destination_;
+  pending_ = !is_open_file(target) &&
+             (!fs::exists(destination, ignored) || fs::is_regular_file(destination, ignored));
+  if (!pending_) {
+    path_ = target;
+    // A pipe is not opened to try it: that waits for a reader, and to close it sends him away.
+    if (::access(path_.c_str(), W_OK) != 0) throw Error(target, "cannot be written: " + reason());
+    return;
   }
+  remove_leftovers(destination);
+  const fs::path name =
+      partial_prefix(destination) + std::to_string(::getpid()) + destination.extension().string();
+  path_ = (destination.parent_path() / name).string();
   errno = 0;
-  if (!std::ofstream(path_, std::ios::binary)) {
-    pending_ = false;
+  if (!std::ofstream(path_, std::ios::binary))
     throw Error(target, "cannot be written: " + reason());
-  }
-  if (!pending_) return;
   lock_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
   if (lock_ >= 0) ::flock(lock_, LOCK_EX | LOCK_NB);
 }
@@ -104,6 +116,14 @@ PendingFile::~PendingFile() {
   if (lock_ >= 0) ::close(lock_);
 }
 
+std::ofstream PendingFile::stream() const {
+  errno = 0;
+  // Appended, since what is written directly may be a file that has something in it.
+  std::ofstream stream(path_, std::ios::binary | std::ios::app);
+  if (!stream) throw Error(target_, "cannot be written: " + reason());
+  return stream;
+}
+
 void PendingFile::commit() {
   if (!pending_) return;
   std::error_code fault;
@@ -116,8 +136,8 @@ void require_writable(const std::string& target) { const PendingFile probe(targe
 
 void write_text(const std::string& target, const std::string& text) {
   PendingFile file(target);
+  std::ofstream stream = file.stream();
   errno = 0;
-  std::ofstream stream(file.path(), std::ios::binary);
   stream << text;
   stream.close();
   if (!stream) throw Error(target, "cannot be written: " + reason());

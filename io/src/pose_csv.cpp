@@ -56,7 +56,7 @@ std::string pose_csv_row(std::int64_t frame, const TrackResult& result, bool tim
 }
 
 PoseCsvWriter::PoseCsvWriter(const std::string& path, bool timings)
-    : file_(path), stream_(file_.path(), std::ios::binary), timings_(timings) {
+    : file_(path), stream_(file_.stream()), timings_(timings) {
   put(std::string(kPoseCsvHeader));
 }
 

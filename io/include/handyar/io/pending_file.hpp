@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <fstream>
 #include <string>
 
 namespace handyar::io {
@@ -8,7 +9,8 @@ namespace handyar::io {
 /// A file in the making: it is written under a temporary name beside its target and takes the
 /// target's place on commit(). Without commit() nothing is left and an older file stays as it was.
 /// What a killed run left of the same target is removed.
-/// A target that is not a regular file (/dev/stdout, a pipe) is written directly.
+/// A target that is not a regular file (a pipe) is written directly, and so is one that is open
+/// already (/dev/stdout), behind what is in it.
 class PendingFile {
  public:
   /// Creates the temporary file; throws Error when that is impossible.
@@ -20,6 +22,8 @@ class PendingFile {
   /// Where to write; has the target's extension.
   const std::string& path() const noexcept { return path_; }
   const std::string& target() const noexcept { return target_; }
+  /// What writes there; throws Error.
+  std::ofstream stream() const;
 
   void commit();
 
