@@ -95,6 +95,10 @@ TEST_F(InspectTest, FaultySceneFilesAreSaidInOneLine) {
   s = scene;
   s["objects"][1]["model"] = "broken.gltf";
   EXPECT_NE(complaint(s).find("broken.gltf"), std::string::npos);
+  s = scene;
+  s["world"] = {{"map", "desk.map"}};
+  s["objects"] = {{{"model", "teapot"}}};
+  EXPECT_NE(complaint(s).find("is a scene of a map"), std::string::npos);
 }
 
 TEST_F(InspectTest, EventsOfAnEarlierRunStayUntilThereAreOthers) {

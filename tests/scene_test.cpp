@@ -130,6 +130,17 @@ TEST(Scene, OfAMapIsWrittenAndReadAgain) {
   EXPECT_TRUE(read.objects[1].T_marker_object.isApprox(Eigen::Isometry3d::Identity()));
 }
 
+TEST(Scene, OfAMapMayStillBeEmpty) {
+  const std::string path = testing::TempDir() + "empty_scene_of_a_map.json";
+  Scene scene;
+  scene.map = testing::TempDir() + "desk.map";
+  write_scene(path, scene);
+  EXPECT_TRUE(read_scene(path).objects.empty());
+  scene.objects.emplace_back().model = testing::TempDir() + "caf\xe9.obj";
+  EXPECT_THROW(write_scene(path, scene), io::Error);
+  std::filesystem::remove(path);
+}
+
 TEST(Scene, SaysInOneLineWhatIsWrong) {
   EXPECT_EQ(complaint(two_objects()), "");
   EXPECT_NE(complaint(std::string("{\"objects\": [")).find("json: is not valid JSON: parse error"),
@@ -181,6 +192,9 @@ TEST(Scene, SaysInOneLineWhatIsWrong) {
   expect_complaint(scene, "world: the board needs ids up to 50, DICT_4X4_50 has 50");
   expect_complaint({{"format", "handyar-scene"}, {"version", 1}, {"objects", json::array()}},
                    "missing or empty");
+  scene["world"]["board"]["id"] = 2;
+  scene.erase("objects");
+  expect_complaint(scene, "json: \"objects\" is missing");
 }
 
 }  // namespace

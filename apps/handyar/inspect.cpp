@@ -23,6 +23,7 @@ int inspect(TrackingRun run, const std::string& scene_file, const std::string& e
   require_distinct_files({run.input, run.camera_file, run.hand_file, scene_file},
                          {run.video_out, events_file});
   const render::Scene scene = render::read_scene(scene_file);
+  if (scene.markers.empty()) throw io::Error(scene_file, "is a scene of a map, not of markers");
   for (const render::SceneObject& object : scene.objects)
     require_distinct_files({object.model}, {run.video_out, events_file});
   render::InspectionView view(scene);

@@ -28,7 +28,11 @@ class Reader {
     if (root.value("version", json()) != 1) fail("\"version\" is not 1");
     expect_only(root, {"format", "version", "world", "objects"});
     if (root.contains("world")) read_world(root["world"]);
-    if (!root.contains("objects") || !root["objects"].is_array() || root["objects"].empty())
+    at_.clear();
+    // On a map the first object is put down when the table is recognised, which may take another
+    // run.
+    if (!root.contains("objects") || !root["objects"].is_array() ||
+        (root["objects"].empty() && scene_.map.empty()))
       fail("\"objects\" is missing or empty");
     for (std::size_t i = 0; i < root["objects"].size(); ++i) {
       at_ = "object " + std::to_string(i + 1) + ": ";
@@ -282,7 +286,13 @@ void write_scene(const std::string& path, const Scene& scene) {
                                {"attach", name(o.attachment)},
                                {"pose", pose_of(o.T_marker_object)}});
   }
-  io::write_text(path, root.dump(1) + "\n");
+  std::string text;
+  try {
+    text = root.dump(1) + "\n";
+  } catch (const json::exception& e) {  // a name that is not UTF-8
+    throw io::Error(path, "cannot be written: " + io::fault_of(e));
+  }
+  io::write_text(path, text);
 }
 
 Scene read_scene(const std::string& path) { return parse_scene(io::read_text(path), path); }
