@@ -45,13 +45,18 @@ class EvaluateCli : public testing::Test {
     return text.str();
   }
 
-  /// A line on standard error that tells `fault`, and no report.
-  void expect_refused(const std::string& arguments, int code, const std::string& fault) const {
+  int run(const std::string& arguments) const {
     const int status = std::system(("'" HANDYAR_PROGRAM "' evaluate " + arguments + " >" +
                                     file("stdout") + " 2>" + file("stderr") + " </dev/null")
                                        .c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  /// A line on standard error that tells `fault`, and no report.
+  void expect_refused(const std::string& arguments, int code, const std::string& fault) const {
+    const int exit_code = run(arguments);
     const std::string err = contents(file("stderr"));
-    EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, code) << err;
+    EXPECT_EQ(exit_code, code) << err;
     EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
     EXPECT_NE(err.find(fault), std::string::npos) << err;
     EXPECT_FALSE(fs::exists(file("report")));
@@ -73,6 +78,15 @@ TEST_F(EvaluateCli, AReportThatCannotBeWrittenIsToldBeforeTheWork) {
   fs::create_directories(root_ / "taken" / "report.html");
   expect_refused(kVideo + " --report " + file("taken"), 1, "report.html");
   EXPECT_FALSE(fs::exists(root_ / "taken" / "errors.csv"));
+}
+
+TEST_F(EvaluateCli, ABrokenVideoOfATreeIsToldAndCountsAsFarAsItGoes) {
+  fs::create_directories(root_ / "tree" / "half");
+  fs::copy_file(kVideo, root_ / "tree" / "half" / "video.mp4");
+  fs::resize_file(root_ / "tree" / "half" / "video.mp4", fs::file_size(kVideo) / 2);
+  EXPECT_EQ(run(file("tree") + " --report " + file("report")), 1);
+  EXPECT_NE(contents(file("stderr")).find("video.mp4: breaks off"), std::string::npos);
+  EXPECT_TRUE(fs::exists(file("report/distribution.md")));
 }
 
 TEST_F(EvaluateCli, AnInterruptLeavesNoReport) {

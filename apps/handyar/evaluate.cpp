@@ -71,6 +71,18 @@ bool is_tree(const std::string& path) {
   return fs::is_directory(path) && !fs::exists(fs::path(path) / "video.mp4");
 }
 
+/// Why videos ended early, empty where one did not; gives the exit code. What could be read of a
+/// broken video is in the report, it is a failure all the same.
+int tell(const std::vector<std::string>& faults) {
+  int code = kDone;
+  for (const std::string& fault : faults) {
+    if (fault.empty()) continue;
+    std::cerr << "handyar: " << fault << '\n';
+    code = kFailed;
+  }
+  return code;
+}
+
 /// How the default method's figures are distributed over all sequences of the trees.
 int evaluate_trees(const Evaluation& e) {
   std::vector<Footage> footage;
@@ -88,7 +100,9 @@ int evaluate_trees(const Evaluation& e) {
     }
   }
   std::cout << write_distribution(e.report, figures) << folder.file("distribution.md") << '\n';
-  return kDone;
+  std::vector<std::string> faults;
+  for (const FootageFigures& f : figures) faults.push_back(f.broken_off);
+  return tell(faults);
 }
 
 int evaluate(const Evaluation& e) {
@@ -135,15 +149,9 @@ int evaluate(const Evaluation& e) {
   for (const std::string& note : write_report(e.report, run, analyses, stills))
     std::cerr << "handyar: " << note << '\n';
   std::cout << folder.file("report.html") << '\n';
-
-  // What could be read of a broken video is in the report; it is a failure all the same.
-  int code = kDone;
-  for (const Analysis& a : analyses) {
-    if (a.recording.broken_off.empty()) continue;
-    std::cerr << "handyar: " << a.recording.broken_off << '\n';
-    code = kFailed;
-  }
-  return code;
+  std::vector<std::string> faults;
+  for (const Analysis& a : analyses) faults.push_back(a.recording.broken_off);
+  return tell(faults);
 }
 
 }  // namespace

@@ -191,6 +191,7 @@ FootageFigures measure(const Footage& footage, int begins) {
   FootageFigures f;
   f.group = footage.group;
   f.name = footage.sequence.name;
+  f.broken_off = a.recording.broken_off;
   if (a.has_truth())
     measure_rendered(a, f);
   else

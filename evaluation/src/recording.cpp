@@ -151,7 +151,8 @@ Recording record(const Sequence& sequence, Methods methods, const Progress& prog
     while (source->read(frame)) {
       if (frame.index < first_frame) continue;
       session.process(frame);
-      if (progress) progress(++done, int(source->info().frame_count));
+      ++done;
+      if (progress) progress(done, int(source->info().frame_count));
     }
   } catch (const io::Error& e) {
     if (done == 0) throw;

@@ -47,6 +47,7 @@ struct FootageFigures {
   double tracking_ms = kUnknown, searching_ms = kUnknown;        ///< medians
   std::string worst_caption;
   std::vector<unsigned char> worst_jpeg;
+  std::string broken_off;  ///< why the video ended early; empty: it did not
 
   double right_percent() const { return open_frames ? 100.0 * right / open_frames : kUnknown; }
   double wrong_percent() const { return open_frames ? 100.0 * wrong / open_frames : kUnknown; }
