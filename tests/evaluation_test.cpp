@@ -304,6 +304,20 @@ TEST(Dynamics, RecoveriesAreTimedFromWhenTheHandCouldBeSeen) {
   EXPECT_FALSE(r[3].after_s) << "never found again";
 }
 
+TEST(Dynamics, ASecondHandIsNotTheRightOne) {
+  Truth truth = make_truth(100);
+  const std::vector<TrackResult> track = exact_track(truth);
+  std::vector<FrameError> errors = compare(truth, truth.hand, track);
+  for (std::size_t i = 50; i < 65; ++i) errors[i].on_other_hand = true;
+  const Poses poses = right_poses(truth, truth.hand, track, errors, true);
+  EXPECT_TRUE(poses[49]);
+  EXPECT_FALSE(poses[50]);
+  const std::vector<Recovery> r = recoveries(truth, errors);
+  ASSERT_EQ(r.size(), 2u);
+  EXPECT_EQ(r[1].kind, Recovery::Kind::lost_in_view);
+  EXPECT_NEAR(*r[1].after_s, 15 / 30.0, 1e-9);
+}
+
 /// Exact views of the board and exact poses of a thing that is fixed to it.
 struct BoardScene {
   Board board{8, 6, 0.02};

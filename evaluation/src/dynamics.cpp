@@ -86,7 +86,7 @@ Poses right_poses(const Truth& truth, const HandModel& hand, std::span<const Tra
   const Eigen::Isometry3d T_model_true = T_true_model(truth, hand).inverse();
   Poses poses(std::min(track.size(), truth.frames.size()));
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (!errors[i].tracked || errors[i].wrong || !errors[i].visible) continue;
+    if (!errors[i].right() || !errors[i].visible) continue;
     Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
     if (truth.frames[i].other_face) turn.linear() = Eigen::Vector3d(-1, 1, -1).asDiagonal();
     const Eigen::Isometry3d T_model_hand = turn * T_model_true * turn.inverse();
@@ -146,16 +146,15 @@ std::optional<double> delay_s(const Truth& truth, const Poses& poses) {
 
 std::vector<Recovery> recoveries(const Truth& truth, std::span<const FrameError> errors) {
   std::vector<Recovery> all;
-  const auto right = [](const FrameError& e) { return e.tracked && !e.wrong; };
   const std::size_t n = std::min(errors.size(), truth.frames.size());
   bool ever = false;
   for (std::size_t i = 0; i < n; ++i) {
     const bool appears = errors[i].visible && (i == 0 || !errors[i - 1].visible);
-    const bool lost = i > 0 && errors[i].visible && errors[i - 1].visible && right(errors[i - 1]) &&
-                      !right(errors[i]);
+    const bool lost = i > 0 && errors[i].visible && errors[i - 1].visible &&
+                      errors[i - 1].right() && !errors[i].right();
     if (!appears && !lost) continue;
     std::size_t end = i;
-    while (end < n && errors[end].visible && !right(errors[end])) ++end;
+    while (end < n && errors[end].visible && !errors[end].right()) ++end;
     const bool found = end < n && errors[end].visible;
     if (!found && int(end - i) <= kShortGlimpseFrames) continue;
     Recovery r{Recovery::Kind::hidden_before, int(i), std::nullopt};
