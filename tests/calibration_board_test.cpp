@@ -9,6 +9,7 @@
 #include "handyar/calibration/board.hpp"
 #include "handyar/calibration/board_sheet.hpp"
 #include "handyar/calibration/error.hpp"
+#include "handyar/calibration/session.hpp"
 
 namespace handyar {
 namespace {
@@ -129,6 +130,13 @@ TEST(BoardSheet, PictureIsFoundAsTheBoardItShows) {
     EXPECT_NEAR(cv::norm(c[board.columns - 1] - c[0]), 40 * (board.columns - 1), 0.2);
   }
   EXPECT_THROW(board_image(Board{50, 50, 0.02}, 1000), CalibrationError);
+}
+
+TEST(CalibrationSession, RefusesPicturesOfAnotherSize) {
+  CalibrationSession session(Board{8, 6, 0.025}, {640, 480});
+  const cv::Mat bgr(480, 640, CV_8UC3, cv::Scalar(90, 90, 90));
+  EXPECT_FALSE(session.add(bgr, {}, {}).board_seen());
+  EXPECT_THROW(session.add(bgr.rowRange(0, 240), {}, {}), CalibrationError);
 }
 
 TEST(BoardSheet, PdfHasTrueSizeOnA4) {

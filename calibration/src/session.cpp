@@ -38,6 +38,9 @@ std::vector<cv::Point2f> CalibrationSession::find(const cv::Mat& grey) {
 
 const CalibrationView& CalibrationSession::add(const cv::Mat& bgr, const TrackResult& result,
                                                const HandModel& learned) {
+  if (bgr.size() != image_size_)
+    throw CalibrationError(text("a picture has %dx%d pixels, those of this calibration have %dx%d",
+                                bgr.cols, bgr.rows, image_size_.width, image_size_.height));
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
   CalibrationView v = hand_view(result, learned);

@@ -104,7 +104,8 @@ slowly around both:
       .def("add", &add, "bgr"_a, "result"_a, "hand"_a,
            "Takes a frame, uint8, shape (height, width, 3), BGR, with what the tracker saw in it "
            "and "
-           "the hand as it has learned it. Returns whether the board is seen.")
+           "the hand as it has learned it. Returns whether the board is seen. Raises "
+           "CalibrationError where its size is not the session's.")
       .def_property_readonly(
           "done",
           [](Session& session) {

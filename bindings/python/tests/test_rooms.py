@@ -140,6 +140,10 @@ def test_calibration_says_what_is_missing(clip):
     session = handyar.calibration.Session(handyar.calibration.Board(8, 6, 0.025), 640, 480)
     with pytest.raises(handyar.calibration.CalibrationError):
         session.camera()
+    tracker = handyar.Tracker(clip.camera, clip.hand)
+    half = np.zeros((240, 320, 3), np.uint8)
+    with pytest.raises(handyar.calibration.CalibrationError, match="320x240"):
+        session.add(half, handyar.Tracker().process(half, 0.0), tracker.hand)
     with pytest.raises(handyar.calibration.CalibrationError):
         handyar.calibration.SelfSession().hand(clip.camera)
     with pytest.raises(ValueError, match="one of them"):

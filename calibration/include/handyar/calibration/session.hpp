@@ -16,7 +16,8 @@ class CalibrationSession {
  public:
   CalibrationSession(const Board& board, cv::Size image_size);
 
-  /// Looks for the board in the frame and takes the tracker's view of the hand with it.
+  /// Looks for the board in the frame and takes the tracker's view of the hand with it. Throws
+  /// CalibrationError where the frame is not of the session's size.
   const CalibrationView& add(const cv::Mat& bgr, const TrackResult& result,
                              const HandModel& learned);
 
