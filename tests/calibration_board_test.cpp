@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <clocale>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <regex>
@@ -153,6 +154,17 @@ TEST(BoardSheet, PdfHasTrueSizeOnA4) {
   EXPECT_EQ(pdf.substr(start, 4), "xref");
   const std::size_t first = std::stoul(pdf.substr(start + 9 + 20, 10));
   EXPECT_EQ(pdf.substr(first, 7), "1 0 obj");
+}
+
+TEST(BoardSheet, PdfIsTheSameInEveryLocale) {
+  const std::string pdf = board_pdf(Board{8, 6, 0.0255});
+  for (const char* locale : {"de_DE.UTF-8", "fr_FR.UTF-8", "de_DE"}) {
+    if (std::setlocale(LC_ALL, locale) == nullptr) continue;
+    EXPECT_EQ(board_pdf(Board{8, 6, 0.0255}), pdf);
+  }
+  std::setlocale(LC_ALL, "C");
+  EXPECT_NE(pdf.find("--board 8x6 --square-mm 25.5. Print at 100 %; check: 9 squares are 229.5 mm"),
+            std::string::npos);
 }
 
 TEST(BoardSheet, LargeBoardsGetAPageThatHoldsThem) {

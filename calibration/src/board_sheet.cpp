@@ -2,6 +2,7 @@
 #include "handyar/calibration/board_sheet.hpp"
 
 #include <array>
+#include <charconv>
 #include <vector>
 
 #include "handyar/calibration/error.hpp"
@@ -27,24 +28,35 @@ Page page_for(double width_mm, double height_mm) {
 
 bool black(int column, int row) { return (column + row) % 2 == 0; }
 
+// With a point in every locale, as PDF has it.
+std::string number(double value, std::chars_format format, int digits) {
+  char buffer[64];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, format, digits).ptr;
+  return {buffer, end};
+}
+std::string fixed(double value, int digits) {
+  return number(value, std::chars_format::fixed, digits);
+}
+std::string short_mm(double value_mm) { return number(value_mm, std::chars_format::general, 4); }
+
 // Page contents in PDF's drawing language; millimetres by the matrix of the first line.
 std::string drawing(const Board& board, const Page& page) {
   const int columns = board.columns + 1, rows = board.rows + 1;
   const double side_mm = 1000 * board.square_m;
   const double left = (page.width_mm - columns * side_mm) / 2;
   const double bottom = (page.height_mm - rows * side_mm) / 2;
-  std::string s = text("%.8f 0 0 %.8f 0 0 cm\n0 g\n", kPointsPerMm, kPointsPerMm);
+  const std::string scale = fixed(kPointsPerMm, 8), side = fixed(side_mm, 4);
+  std::string s = scale + " 0 0 " + scale + " 0 0 cm\n0 g\n";
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i)
       if (black(i, j))
-        s += text("%.4f %.4f %.4f %.4f re\n", left + i * side_mm, bottom + j * side_mm, side_mm,
-                  side_mm);
-  s += "f\n";
-  s += text(
-      "BT /F1 3 Tf %.2f %.2f Td (handyar board: --board %dx%d --square-mm %.4g. Print at "
-      "100 %%; check: %d squares are %.4g mm wide.) Tj ET\n",
-      left, bottom - 6, board.columns, board.rows, side_mm, columns, columns * side_mm);
-  return s;
+        s += fixed(left + i * side_mm, 4) + " " + fixed(bottom + j * side_mm, 4) + " " + side +
+             " " + side + " re\n";
+  return s + "f\nBT /F1 3 Tf " + fixed(left, 2) + " " + fixed(bottom - 6, 2) +
+         " Td (handyar board: --board " + std::to_string(board.columns) + "x" +
+         std::to_string(board.rows) + " --square-mm " + short_mm(side_mm) +
+         ". Print at 100 %; check: " + std::to_string(columns) + " squares are " +
+         short_mm(columns * side_mm) + " mm wide.) Tj ET\n";
 }
 
 }  // namespace
@@ -56,9 +68,9 @@ std::string board_pdf(const Board& board) {
   const std::array<std::string, 5> objects = {
       "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
       "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-      text("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 %.4f %.4f] /Contents 4 0 R /Resources << "
-           "/Font << /F1 5 0 R >> >> >>",
-           page.width_mm * kPointsPerMm, page.height_mm * kPointsPerMm),
+      "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 " + fixed(page.width_mm * kPointsPerMm, 4) +
+          " " + fixed(page.height_mm * kPointsPerMm, 4) +
+          "] /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> >> >>",
       text("<< /Length %zu >>\nstream\n", contents.size()) + contents + "endstream",
       "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>"};
   std::string pdf = "%PDF-1.6\n";
