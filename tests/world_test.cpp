@@ -424,6 +424,12 @@ TEST(MapFile, SaysWhatIsWrongWithIt) {
   changed = whole;
   changed.replace(changed.find("\"width_px\":640"), 14, "\"width_px\":960");
   EXPECT_EQ(fault_of(changed), "desk.map: a picture is no PNG of the camera's size");
+  changed = whole.substr(0, whole.find('\n'));
+  changed.replace(changed.find("\"width_px\":640"), 14, "\"width_px\":8192");
+  changed.replace(changed.find("\"height_px\":480"), 15, "\"height_px\":8192");
+  changed.replace(changed.find("\"keyframes\":["), 13, "\"keyframes\":[0,0,0,0,0,0,0,");
+  EXPECT_EQ(fault_of(changed + '\n'),
+            "desk.map: its keyframes are larger than 60 of 4096x2160 pixels");
   EXPECT_THROW(static_cast<void>(read_map("/nowhere/desk.map")), io::Error);
 }
 

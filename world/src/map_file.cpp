@@ -18,6 +18,8 @@ using io::Json;
 // One line of JSON, then the keyframes' pictures (PNG) one after the other.
 constexpr int kVersion = 1;
 constexpr std::size_t kMostKeyframes = 1000, kMostPoints = 100'000, kMostBytes = 1u << 30;
+// Sixty keyframes of the largest camera; PNGs of one colour are a thousandth of their pixels.
+constexpr std::size_t kMostPixels = std::size_t{60} * 4096 * 2160;
 constexpr double kLargest = 1e4;
 
 class Reader {
@@ -119,6 +121,10 @@ class Reader {
   void read_keyframes(std::string_view pictures) {
     const Json& list = list_up_to("keyframes", root_.at("keyframes"), kMostKeyframes);
     if (list.empty()) fail("has no keyframe");
+    if (list.size() * static_cast<std::size_t>(map_.camera.width_px) *
+            static_cast<std::size_t>(map_.camera.height_px) >
+        kMostPixels)
+      fail("its keyframes are larger than 60 of 4096x2160 pixels");
     for (const Json& in : list) {
       Keyframe keyframe;
       keyframe.T_camera_world = pose(in.at("pose"));
