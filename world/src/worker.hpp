@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -37,45 +39,40 @@ class Worker {
   }
 
   /// Whether something was started and not taken yet.
-  bool busy() const noexcept { return busy_; }
+  bool busy() const noexcept { return done_.valid(); }
 
   /// Only when not busy.
   void start(std::function<Done()> work) {
-    busy_ = true;
-    if (!thread_.joinable()) {
-      done_ = work();
-      return;
-    }
+    std::packaged_task<Done()> task(std::move(work));
+    done_ = task.get_future();
+    if (!thread_.joinable()) return task();
     const std::scoped_lock lock(mutex_);
-    work_ = std::move(work);
+    task_ = std::move(task);
     changed_.notify_one();
   }
 
-  /// What was made, once, when it is there.
+  /// What was made, once, when it is there; throws what the work threw.
   std::optional<Done> take() {
-    if (!busy_) return std::nullopt;
-    const std::scoped_lock lock(mutex_);
-    busy_ = !done_;
-    return std::exchange(done_, std::nullopt);
+    if (!busy() || done_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+      return std::nullopt;
+    return done_.get();
   }
 
  private:
   void run(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
-    while (changed_.wait(lock, stop, [&] { return work_ != nullptr; })) {
-      const std::function<Done()> work = std::exchange(work_, nullptr);
+    while (changed_.wait(lock, stop, [&] { return task_.valid(); })) {
+      std::packaged_task<Done()> task = std::move(task_);
       lock.unlock();
-      Done done = work();
+      task();
       lock.lock();
-      done_ = std::move(done);
     }
   }
 
-  bool busy_ = false;  // known to the frame path alone
+  std::future<Done> done_;  // known to the frame path alone
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::function<Done()> work_;
-  std::optional<Done> done_;
+  std::packaged_task<Done()> task_;
   std::jthread thread_;  // last: it ends before what it uses
 };
 
