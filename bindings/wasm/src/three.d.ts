@@ -56,7 +56,7 @@ export class HandThree {
   onError: (error: Error) => void;
   /**
    * Begins with the camera, or with a video that lies at `src`. Rejects with what getUserMedia()
-   * says: NotAllowedError, NotFoundError, NotReadableError, ...
+   * says: NotAllowedError, NotFoundError, NotReadableError, ... A stop() meanwhile ends it.
    */
   start(src?: string): Promise<void>;
   stop(): void;

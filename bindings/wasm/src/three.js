@@ -14,6 +14,8 @@ export { Anchor };
 const TURN_rad_px = 0.01;
 const lamp_m = new Vector3(0.08, 0.3, 0.4);  // of the lamp from the hand: above the camera
 
+const end = (stream) => stream.getTracks().forEach((track) => track.stop());
+
 const now_s = () => performance.now() / 1000;
 
 export class HandThree {
@@ -27,6 +29,7 @@ export class HandThree {
   #options;
   #facing;
   #video = document.createElement('video');
+  #run = null;  // stands for what start() began, also while it still waits; gone after stop()
   #live = null;
   #anchors = [];
   #surface = new HandSurface();
@@ -46,34 +49,43 @@ export class HandThree {
 
   /** Begins with the camera, or with a video that lies at `src`. */
   async start(src = null) {
-    if (this.#live) return;
-    if (src) {
-      this.#video.src = src;
-      this.#video.loop = true;
-    } else {
-      this.#video.srcObject = await navigator.mediaDevices.getUserMedia({
-        audio: false,
-        video: { facingMode: this.#facing, width: { ideal: 640 }, height: { ideal: 480 } } });
-      this.#video.srcObject.getVideoTracks()[0].onended = () => {
-        this.stop();
-        this.onError(new DOMException('the camera was disconnected', 'NotReadableError'));
-      };
-    }
+    if (this.#run) return;
+    const run = this.#run = {};
+    const stopped = () => this.#run !== run;
     try {
+      if (src) {
+        this.#video.src = src;
+        this.#video.loop = true;
+      } else {
+        const stream = await navigator.mediaDevices.getUserMedia({
+          audio: false,
+          video: { facingMode: this.#facing, width: { ideal: 640 }, height: { ideal: 480 } } });
+        if (stopped()) return end(stream);
+        this.#video.srcObject = stream;
+        stream.getVideoTracks()[0].onended = () => {
+          this.stop();
+          this.onError(new DOMException('the camera was disconnected', 'NotReadableError'));
+        };
+      }
       await this.#video.play();
-      this.#live = await LiveTracker.start(this.#video, {
+      if (stopped()) return;
+      const live = await LiveTracker.start(this.#video, {
         ...this.#options, places: this.#places(), onFrame: (tracked) => this.#take(tracked),
         onError: (error) => this.onError(error) });
+      if (stopped()) return live.stop();
+      this.#live = live;
     } catch (error) {
+      if (stopped()) return;
       this.stop();
       throw error;
     }
   }
 
   stop() {
+    this.#run = null;
     this.#live?.stop();
     this.#live = null;
-    this.#video.srcObject?.getTracks().forEach((track) => track.stop());
+    if (this.#video.srcObject) end(this.#video.srcObject);
     this.#video.srcObject = null;
     this.#video.removeAttribute('src');
     this.#surface.hide();
