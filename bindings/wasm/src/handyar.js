@@ -20,7 +20,7 @@ export function cameraFromFieldOfView(width_px, height_px, fov_rad = Math.PI / 3
 }
 
 function requireShape(camera, width_px, height_px) {
-  if (camera.width_px * height_px === camera.height_px * width_px) return;
+  if (Math.abs(camera.height_px * width_px / camera.width_px - height_px) <= 1) return;
   throw new Error(`the camera was calibrated for pictures of ${camera.width_px}x` +
     `${camera.height_px}, these are ${width_px}x${height_px}`);
 }
