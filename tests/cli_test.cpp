@@ -478,6 +478,14 @@ TEST_F(CliTest, SetupRemembersTheHandForWhenNoneIsGiven) {
   EXPECT_EQ(contents(out("remembered.csv")), contents(out("given.csv")));
   EXPECT_EQ(run("track " + kVideo + " --hand average").err.find("--hand"), std::string::npos);
 
+  // A recording need not be of the remembered camera.
+  EXPECT_EQ(
+      run("setup --camera " + changed("camera.yml", "image_width: 640", "image_width: 853")).code,
+      0);
+  EXPECT_EQ(run("setup " + kVideo + " --span-mm 190").err.find("another shape"), std::string::npos);
+  const std::string nowhere =
+      run("setup " + kVideo + " --span-mm 190", "XDG_CONFIG_HOME=/proc").err;
+  EXPECT_EQ(nowhere.rfind("handyar: /proc/handyar: ", 0), 0u) << nowhere;
   EXPECT_EQ(run("setup --hand " + in("no.json")).code, 1);
   EXPECT_EQ(run("setup " + kVideo).code, 2) << "a file is no camera";
   EXPECT_EQ(run("setup --forget").out, "camera       none\ncalibration  none\nhand         none\n");

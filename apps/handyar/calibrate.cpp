@@ -18,6 +18,7 @@
 #include "handyar/io/picture_file.hpp"
 #include "handyar/opencv/annotate.hpp"
 #include "handyar/render/window.hpp"
+#include "remembered.hpp"
 
 namespace handyar::cli {
 namespace {
@@ -199,10 +200,13 @@ int calibrate(const CalibrateRun& run) {
   const io::SourceInfo& info = source->info();
   for (const std::string& out : {run.camera_out, run.hand_out, run.picture_out})
     if (!out.empty()) io::require_writable(out);
+  const std::string camera_file = run.assume_camera && run.camera_file.empty() && info.live
+                                      ? remembered().camera_file
+                                      : run.camera_file;
   std::optional<Camera> camera;
-  if (!run.camera_file.empty())
-    camera = io::camera_for_size(io::read_camera(run.camera_file), info.width_px, info.height_px,
-                                 run.camera_file);
+  if (!camera_file.empty())
+    camera = io::camera_for_size(io::read_camera(camera_file), info.width_px, info.height_px,
+                                 camera_file);
   else if (run.assume_camera)
     camera = Camera::from_field_of_view(info.width_px, info.height_px);
   try {

@@ -12,7 +12,7 @@ struct CalibrateRun {
   double square_mm = 0, thickness_mm = 5;
   std::string method = "triangulation";
   bool self = false, show = false;
-  bool assume_camera = false;              ///< with `self`: 60 degrees will do
+  bool assume_camera = false;              ///< with `self`: what is remembered, or 60 degrees
   double span_mm = 0, hand_length_mm = 0;  ///< 0: not measured
 
   bool wants_hand() const { return !hand_out.empty() || !picture_out.empty(); }

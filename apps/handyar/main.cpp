@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <filesystem>
 #include <iostream>
 
 #include "command.hpp"
@@ -78,6 +79,8 @@ int main(int argc, char** argv) {
   } catch (const Interrupted&) {
     std::cerr << "handyar: interrupted, nothing was written\n";
     return 128 + interrupt();
+  } catch (const std::filesystem::filesystem_error& e) {
+    std::cerr << "handyar: " << e.path1().string() << ": " << e.code().message() << '\n';
   } catch (const std::bad_alloc&) {
     std::cerr << "handyar: out of memory\n";
   } catch (const std::exception& e) {

@@ -33,7 +33,7 @@ int measure_hand(const Setup& setup) {
   CalibrateRun run;
   run.input = setup.input.empty() ? remembered().input : setup.input;
   if (run.input.empty()) throw WrongUsage("which camera is the hand to be held before?");
-  run.camera_file = remembered().camera_file;
+  run.camera_file = setup.camera_file;
   run.self = run.assume_camera = true;
   run.show = setup.show;
   run.span_mm = setup.span_mm;
