@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "viewer.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <utility>
@@ -78,7 +79,8 @@ bool Viewer::show(const cv::Mat& bgr, double wait_s) {
     if (!window_.show(*shown, paused_ ? kPausedPicture_s : wait_s)) return false;
     for (const char key : window_.take_typed()) obey(key, bgr);
   } while (paused_ && interrupt() == 0);
-  if (const double took_s = steady_now_s() - start_s; took_s > wait_s + 2 * kPausedPicture_s)
+  if (const double took_s = steady_now_s() - start_s;
+      took_s > std::max(0.0, wait_s) + 2 * kPausedPicture_s)
     paused_s_ += took_s;
   return true;
 }
