@@ -284,6 +284,8 @@ TEST_F(IoTest, FaultyHandFilesAreRefusedByField) {
     const std::string fault = fault_of([&] { parse_hand(text, "h.json"); });
     EXPECT_EQ(fault.rfind(std::string("h.json: ") + c.fault, 0), 0u) << fault;
   }
+  EXPECT_EQ(fault_of([&] { parse_hand(hand_text() + std::string(1 << 16, ' '), "h.json"); }),
+            "h.json: is larger than 64 KiB: not a hand file");
   std::string swapped = replaced(hand_text(), "\"index\"", "\"?\"");
   swapped = replaced(replaced(swapped, "\"ring\"", "\"index\""), "\"?\"", "\"ring\"");
   EXPECT_EQ(fault_of([&] { parse_hand(swapped, "h.json"); }),

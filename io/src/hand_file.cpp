@@ -19,6 +19,8 @@ constexpr double kMinGap_m = 0.005;       // between neighbouring fingertips
 constexpr double kMaxCoordinate_m = 0.5;  // of anything on a hand
 constexpr double kMaxHeight_m = 0.12;     // above or below the mean of the fingertips
 constexpr double kMaxThickness_m = 0.1;
+// A hand file has 5 kB. Keys are looked up one after the other, so many of them take long.
+constexpr std::size_t kMaxBytes = 64 << 10;
 constexpr double kMostCoefficient = 8;  // of a figure, in standard deviations of people
 
 constexpr std::pair<std::string_view, HandSource> kSources[] = {
@@ -222,6 +224,7 @@ Json named_points(const Eigen::Matrix<double, 3, static_cast<int>(N)>& points,
 }  // namespace
 
 HandModel parse_hand(std::string_view text, std::string_view name) {
+  if (text.size() > kMaxBytes) throw Error(name, "is larger than 64 KiB: not a hand file");
   return parse_json(text, name, [&](const Json& root) { return read_fields(Reader(root, name)); });
 }
 
