@@ -42,9 +42,12 @@ Camera frame: x right, y down, z forward, in metres. Pixels: the centre of the t
                        double cy_px, const std::array<double, 5>& distortion, double readout_s) {
              if (width_px < 1 || height_px < 1)
                throw py::value_error("width_px, height_px: the size of a picture is wanted");
-             if (!(fx_px > 0 && fy_px > 0))
+             const auto finite = [](double x) { return std::isfinite(x); };
+             if (!(fx_px > 0 && fy_px > 0 && finite(fx_px) && finite(fy_px)))
                throw py::value_error("fx_px, fy_px: focal lengths are positive");
-             if (!(readout_s >= 0))
+             if (!finite(cx_px) || !finite(cy_px) || !std::ranges::all_of(distortion, finite))
+               throw py::value_error("cx_px, cy_px, distortion: finite numbers are wanted");
+             if (!(readout_s >= 0 && finite(readout_s)))
                throw py::value_error("readout_s: from the first row's time to the last's, or 0");
              return Camera{width_px, height_px, fx_px, fy_px, cx_px, cy_px, distortion, readout_s};
            }),
@@ -199,6 +202,9 @@ void bind_filter(py::module_& m) {
                                "How a pose is smoothed: how hard the hand is expected to speed up.")
       .def(py::init([](double acceleration_m_s2, double acceleration_rad_s2,
                        double gate_probability, double max_coast_s, bool enabled) {
+             if (!std::isfinite(acceleration_m_s2) || !std::isfinite(acceleration_rad_s2) ||
+                 std::isnan(gate_probability) || std::isnan(max_coast_s))
+               throw py::value_error("the accelerations are finite, and all are numbers");
              return PoseFilterConfig{acceleration_m_s2, acceleration_rad_s2, gate_probability,
                                      max_coast_s, enabled};
            }),

@@ -21,7 +21,10 @@ def test_camera_projects_as_a_pinhole_and_back():
     assert abs(lens.project(points) - camera.project(points)).max() > 1
 
 
-@pytest.mark.parametrize("size", [dict(width_px=0), dict(fx_px=-1), dict(fy_px=float("nan"))])
+@pytest.mark.parametrize(
+    "size",
+    [dict(width_px=0), dict(fx_px=-1), dict(fy_px=np.nan), dict(fx_px=np.inf), dict(cx_px=np.nan)],
+)
 def test_cameras_that_cannot_be_are_refused(size):
     arguments = dict(width_px=640, height_px=480, fx_px=600, fy_px=600, cx_px=320, cy_px=240)
     with pytest.raises(ValueError):
@@ -43,6 +46,12 @@ def test_planar_pose_is_found_again():
         handyar.solve_planar(plane_m, plane_m[:3])
     with pytest.raises(ValueError, match=r"plane_m: an array of shape \(n, 2\)"):
         handyar.solve_planar(in_camera, plane_m)
+
+
+def test_a_filter_is_not_configured_with_what_is_no_number():
+    for name in ("acceleration_m_s2", "acceleration_rad_s2", "gate_probability", "max_coast_s"):
+        with pytest.raises(ValueError, match="numbers"):
+            handyar.PoseFilterConfig(**{name: np.nan})
 
 
 def test_filter_foretells_a_steady_motion_and_refuses_what_is_no_pose():
