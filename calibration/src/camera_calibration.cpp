@@ -168,11 +168,7 @@ CameraCalibration calibrate_camera(std::span<const CalibrationView> views, const
         text("the board is seen from one side only, directions differ by %.0f "
              "degrees: look at it from above and tilted to all sides",
              span_rad / kDegree));
-  if (static_cast<int>(used.size()) < kMinViews)
-    throw CalibrationError(
-        text("only %zu different views of the board, %d are needed: move the "
-             "camera around it, nearer and farther",
-             used.size(), kMinViews));
+  require_enough(used);
 
   used = leave_outliers(used, fit(views, used, board, image_size, kModels[2].flags).view_rms);
   require_enough(used);

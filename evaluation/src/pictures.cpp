@@ -10,6 +10,7 @@
 
 #include "handyar/io/error.hpp"
 #include "handyar/io/frame_source.hpp"
+#include "handyar/opencv/annotate.hpp"
 
 namespace handyar::evaluation {
 namespace {
@@ -96,20 +97,6 @@ std::map<int, bool> choose(const Analysis& a) {
 cv::Point fixed_point(const Eigen::Vector2d& px) {
   return {int(std::lround(px.x() * (1 << kSubPixelBits))),
           int(std::lround(px.y() * (1 << kSubPixelBits)))};
-}
-
-void draw_axes(cv::Mat& bgr, const Camera& camera, const Eigen::Isometry3d& T_camera_hand) {
-  constexpr double kAxis_m = 0.04;
-  const Eigen::Vector3d origin = T_camera_hand.translation();
-  if (origin.z() <= kAxis_m) return;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d end =
-        T_camera_hand * Eigen::Vector3d(kAxis_m * Eigen::Vector3d::Unit(axis));
-    cv::Scalar color(0, 0, 0);
-    color[2 - axis] = 255;  // x red, y green, z blue
-    cv::line(bgr, fixed_point(camera.project(origin)), fixed_point(camera.project(end)), color, 2,
-             cv::LINE_AA, kSubPixelBits);
-  }
 }
 
 void draw(cv::Mat& bgr, const Analysis& a, std::size_t i) {

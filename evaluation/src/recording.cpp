@@ -144,7 +144,6 @@ Recording record(const Sequence& sequence, Methods methods, const Progress& prog
   cv::setNumThreads(1);  // everything that is timed runs on one thread
   const auto source = io::open_input(sequence.video);
   Session session(sequence, methods);
-  session.recording().frames_per_second = source->info().fps;
   io::Frame frame;
   int done = 0;
   try {

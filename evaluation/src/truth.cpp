@@ -131,7 +131,6 @@ TruthFrame frame(const json& j) {
 
 Truth parse(const json& j) {
   Truth t;
-  t.name = j.value("name", "");
   t.camera = camera(j);
   t.hand = hand(j);
   t.frames_per_second = j.value("fps", 30.0);

@@ -37,7 +37,6 @@ struct MarkerTrack {
 /// Everything measured on one sequence, all of it on the same frames in the same run.
 struct Recording {
   Sequence sequence;
-  double frames_per_second = 30;
   std::vector<std::int64_t> frame_index;  ///< in the video; a series of pictures may have gaps
   std::vector<double> time_s;
   std::vector<Track> tracks;  ///< the first is the default setting at full resolution

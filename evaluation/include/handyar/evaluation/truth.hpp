@@ -47,7 +47,6 @@ struct TruthFrame {
 
 /// A rendered sequence's truth.json, in metres.
 struct Truth {
-  std::string name;
   Camera camera;
   HandModel hand;  ///< layout thumb_right, source truth
   double frames_per_second = 30;
