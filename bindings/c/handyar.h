@@ -121,7 +121,8 @@ enum {
   HANDYAR_FROM_TRUTH = 3 /* of a rendered hand */
 };
 
-/* A pinhole camera with OpenCV's distortion. */
+/* A pinhole camera with OpenCV's distortion, all rows read at once: a camera file's readout_s has
+ * no place here. */
 typedef struct handyar_camera {
   uint32_t size;
   int32_t width_px, height_px;
@@ -131,7 +132,8 @@ typedef struct handyar_camera {
 } handyar_camera;
 
 /* A person's hand: fingertips in the hand frame (origin: x of the middle fingertip, y of the thumb
- * tip, mean height of the tips; +y along the middle finger, +z out of the visible face). */
+ * tip, mean height of the tips; +y along the middle finger, +z out of the visible face). A
+ * hand file's figure has no place here; it is learned anew. */
 typedef struct handyar_hand {
   uint32_t size;
   handyar_layout layout; /* in which the fingertips are given */
