@@ -317,6 +317,13 @@ TEST_F(CliTest, WhatStandardOutputHoldsStays) {
   }
 }
 
+TEST_F(CliTest, ClosedStandardStreamsAreNoneOfTheOutputs) {
+  const std::string track = "'" HANDYAR_PROGRAM "' track " + kVideo + " --no-timings --poses ";
+  EXPECT_EQ(std::system((track + out("closed.csv") + " <&- >&- 2>&-").c_str()), 0);
+  EXPECT_EQ(run("track " + kVideo + " --no-timings --poses " + out("open.csv")).code, 0);
+  EXPECT_EQ(contents(out("closed.csv")), contents(out("open.csv")));
+}
+
 TEST_F(CliTest, DebugWritesTheStagesOfTheChosenFrames) {
   const Outcome r = run("track " + kVideo + " --debug " + out("") + " --debug-frames 0,60-61");
   EXPECT_EQ(r.code, 0) << r.err;

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <iostream>
 
@@ -39,6 +42,13 @@ void require_values(const CLI::App& app) {
         if (value.empty()) throw WrongUsage(option->get_name() + " is empty");
 }
 
+// Who starts a program may have closed its standard streams: the first file that it opens would
+// then get what is meant for them.
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", O_RDWR);
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"A bare outstretched hand, used like a printed AR marker.", "handyar"};
   app.set_version_flag("--version", "handyar " HANDYAR_VERSION);
@@ -72,6 +82,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
   try {
     return run(argc, argv);
   } catch (const handyar::io::Error& e) {
