@@ -204,11 +204,13 @@ int calibrate(const CalibrateRun& run) {
                                       ? remembered().camera_file
                                       : run.camera_file;
   std::optional<Camera> camera;
-  if (!camera_file.empty())
+  if (!camera_file.empty()) {
     camera = io::camera_for_size(io::read_camera(camera_file), info.width_px, info.height_px,
                                  camera_file);
-  else if (run.assume_camera)
+  } else if (run.assume_camera) {
     camera = Camera::from_field_of_view(info.width_px, info.height_px);
+    std::cerr << "handyar: no --camera: a field of view of 60 degrees is assumed\n";
+  }
   try {
     return run.self ? calibrate_itself(run, *source, *camera)
                     : calibrate_with_board(run, *source, camera ? &*camera : nullptr);
