@@ -213,6 +213,12 @@ TEST_F(CliTest, TracksAVideoAndSaysWhatItAssumed) {
   EXPECT_EQ(lines(poses), 91);
 }
 
+TEST_F(CliTest, AHandOfTheAverageSizeIsSaidToBe) {
+  const std::string average = changed("hand.json", "\"truth\"", "\"default\"");
+  const std::string err = run("track " + kVideo + " --hand " + average).err;
+  EXPECT_NE(err.find(average + ": the average adult's size is assumed"), std::string::npos) << err;
+}
+
 TEST_F(CliTest, OfTwoHandsTheSecondIsLookedForBesideTheFirst) {
   const Outcome r =
       run("track " + kVideo + " --hands 2" + outputs() + " --events " + out("e.jsonl"));

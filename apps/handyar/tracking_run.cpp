@@ -53,13 +53,17 @@ Camera camera_of(const TrackingRun& run, const io::SourceInfo& input, Notes& not
 
 HandModel hand_of(const TrackingRun& run, Notes& notes) {
   if (run.hand_file == "average") return average_adult_hand();
-  if (!run.hand_file.empty()) return io::read_hand(run.hand_file);
-  if (const std::string file = remembered().hand_file; !file.empty()) {
-    notes.push_back("no --hand: " + file + " is taken, from handyar setup");
-    return io::read_hand(file);
+  const std::string file = run.hand_file.empty() ? remembered().hand_file : run.hand_file;
+  if (file.empty()) {
+    notes.push_back("no --hand: the average adult hand is assumed, and with it the scale");
+    return average_adult_hand();
   }
-  notes.push_back("no --hand: the average adult hand is assumed, and with it the scale");
-  return average_adult_hand();
+  if (run.hand_file.empty())
+    notes.push_back("no --hand: " + file + " is taken, from handyar setup");
+  const HandModel hand = io::read_hand(file);
+  if (hand.scale_assumed())
+    notes.push_back(file + ": the average adult's size is assumed, and with it the scale");
+  return hand;
 }
 
 AnyTracker make_tracker(const TrackingRun& run, const Camera& camera, const HandModel& hand) {
