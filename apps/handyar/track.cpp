@@ -61,7 +61,8 @@ void ask_camera(const Choices& choices, TrackingRun& run) {
     throw WrongUsage("--camera-size " + choices.camera_size + " is not like 1280x720");
 }
 
-// With a window there may be one later even if there is none at first.
+// With a window there may be one later even if there is none at first; where nothing takes pictures
+// it is not drawn.
 void stand_on_hand(const Choices& choices, TrackingRun& run) {
   require_distinct_files({choices.model},
                          {run.poses_out, run.video_out, run.events_out, run.record_out});
@@ -71,6 +72,7 @@ void stand_on_hand(const Choices& choices, TrackingRun& run) {
   std::vector<std::shared_ptr<ObjectOnHand>> objects;
   for (int i = 0; i < run.hands; ++i) {
     objects.push_back(std::make_shared<ObjectOnHand>(choices.model, size_mm / 1000, where));
+    if (!run.show && run.video_out.empty()) continue;
     run.overlays[i] = [object = objects.back()](cv::Mat& bgr, std::int64_t,
                                                 const AnyTracker& tracker, const Camera& camera,
                                                 const TrackResult& result) {
