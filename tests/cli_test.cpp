@@ -157,6 +157,7 @@ TEST_F(CliTest, WrongUsageIsTwo) {
         "track " + kVideo + " --fingertips nails",
         "track " + kVideo + " --poses " + out("a") + " --video " + out("a"),
         "track " + in("v.mp4") + " --video " + in("v.mp4"),
+        "track " + in("%04d.mp4") + " --poses " + in("../in/0003.mp4"),
         "track " + kVideo + " another",
         "track " + kVideo + " --model " + in("v.mp4") + " --poses " + in("v.mp4"),
         "track " + kVideo + " --poses ''",

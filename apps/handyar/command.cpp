@@ -11,6 +11,8 @@
 #include <iostream>
 #include <sstream>
 
+#include "handyar/io/frame_source.hpp"
+
 namespace fs = std::filesystem;
 
 namespace handyar::cli {
@@ -20,13 +22,16 @@ volatile std::sig_atomic_t caught_signal = 0;
 
 void note_signal(int signal) { caught_signal = signal; }
 
+// `b` may be a numbered series of pictures, of which `a` is one.
 bool same_file(const std::string& a, const std::string& b) {
   if (a.empty() || b.empty()) return false;
   std::error_code fault;
   if (a == b || fs::equivalent(a, b, fault)) return true;
   // Neither need be there yet.
-  const fs::path whole = fs::weakly_canonical(fs::absolute(a), fault);
-  return !fault && whole == fs::weakly_canonical(fs::absolute(b), fault);
+  const fs::path whole_a = fs::weakly_canonical(fs::absolute(a), fault);
+  if (fault) return false;
+  const fs::path whole_b = fs::weakly_canonical(fs::absolute(b), fault);
+  return whole_a == whole_b || io::is_in_series(whole_a.string(), whole_b.string());
 }
 
 }  // namespace

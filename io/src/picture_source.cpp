@@ -138,6 +138,13 @@ bool is_picture_pattern(const std::string& path) {
   return pattern_of(fs::path(path).filename().string()).has_value();
 }
 
+bool is_in_series(const std::string& file, const std::string& input) {
+  const fs::path picture = file, series = input;
+  const auto pattern = pattern_of(series.filename().string());
+  return pattern && pattern->number_of(picture.filename().string()) &&
+         picture.parent_path() == series.parent_path();
+}
+
 std::unique_ptr<FrameSource> open_pictures(const std::string& path) {
   std::error_code fault;
   if (fs::exists(path, fault)) {

@@ -59,4 +59,7 @@ class FrameSource {
 std::unique_ptr<FrameSource> open_input(const std::string& input,
                                         const CameraSettings& settings = {});
 
+/// Whether `file` has a name of the numbered series of pictures `input`; both with their folder.
+bool is_in_series(const std::string& file, const std::string& input);
+
 }  // namespace handyar::io
