@@ -201,6 +201,22 @@ TEST_F(CliTest, HelpVersionAndCamerasSucceed) {
   EXPECT_GE(lines(cameras.out), 1);
 }
 
+TEST_F(CliTest, BashCompletesOptionsAndTheirChoices) {
+  const auto completed = [&](const std::string& words) {
+    const std::string script = ". '" + kData + "/../apps/handyar/completion.bash'\n" +
+                               "COMP_WORDS=('" HANDYAR_PROGRAM "' " + words +
+                               ") COMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n"
+                               "_handyar\necho \"${COMPREPLY[@]}\"\n";
+    write("script", script);
+    EXPECT_EQ(std::system(("bash " + in("script") + " >" + out("said") + " 2>&1").c_str()), 0);
+    return contents(out("said"));
+  };
+  EXPECT_EQ(completed("calibrate --h"), "--help --hand-out --hand-length-mm\n");
+  EXPECT_EQ(completed("calibrate --s"), "--square-mm --self --span-mm --show\n");
+  EXPECT_EQ(completed("track --attach index_"), "index_base index_tip\n");
+  EXPECT_EQ(completed("track a/b.mp4 ''"), "\n");
+}
+
 TEST_F(CliTest, TracksAVideoAndSaysWhatItAssumed) {
   const Outcome r = run("track " + kVideo + outputs());
   EXPECT_EQ(r.code, 0) << r.err;

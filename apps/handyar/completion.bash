@@ -7,10 +7,11 @@ _handyar() {
     offered="--help --version $("$program" --help 2>/dev/null |
       sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p')"
   elif [[ $word == -* ]]; then
-    offered=$("$program" "$command" --help 2>/dev/null | sed -n 's/^ .*\(--[a-z-]*\).*/\1/p')
-  else  # of an option like "--method figure|paper (figure)" its choices
     offered=$("$program" "$command" --help 2>/dev/null |
-      sed -n "s/^  $before \([a-z|]*|[a-z|]*\) .*/\1/p" | tr '|' ' ')
+      sed -n 's/^  \(-h,\)*\(--[a-z-]*\).*/\2/p')
+  elif [[ $before == --* ]]; then  # of an option like "--method figure|paper (figure)" its choices
+    offered=$("$program" "$command" --help 2>/dev/null |
+      sed -n "s/^  $before \([a-z_|]*|[a-z_|]*\) .*/\1/p" | tr '|' ' ')
   fi
   mapfile -t COMPREPLY < <(compgen -W "$offered" -- "$word")
 }
