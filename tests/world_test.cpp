@@ -312,6 +312,15 @@ TEST(World, AHandOnABareTableSetsNothing) {
   EXPECT_FALSE(tracker.map());
 }
 
+TEST(World, AHandThatHasJustComeIsNotMissed) {
+  Tabletop table;
+  WorldTracker tracker(table.camera);
+  const Eigen::Isometry3d truth = from(0, 0.5, 0.5);
+  const WorldResult first = tracker.process(table.draw(truth, true), 0, table.hand(truth));
+  EXPECT_EQ(first.state, WorldState::setting);
+  EXPECT_FALSE(first.hindrance);
+}
+
 TEST(World, TellsWhetherItWaitsForAHandOrForASurePose) {
   Tabletop table;
   WorldTracker tracker(table.camera);

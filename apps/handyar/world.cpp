@@ -141,6 +141,7 @@ class WorldRun {
     world_ = tracker_->process(bgr, result.time_s, world::HandInWorld::of(hands, result));
     ++frames_;
     tracked_ += world_.state == world::WorldState::tracked;
+    lay_ |= world_.state == world::WorldState::setting;
     if (world_.hindrance && world_.hindrance != world::Hindrance::no_hand)
       ++hindered_[*world_.hindrance];
     if (poses_) poses_->write(frame, result.time_s, world_);
@@ -200,7 +201,8 @@ class WorldRun {
   }
 
   std::string why_none() const {
-    if (hindered_.empty()) return "no open hand was seen";
+    if (hindered_.empty())
+      return lay_ ? "the hand lay still for too short a time" : "no open hand was seen";
     const auto& [hindrance, frames] =
         *std::max_element(hindered_.begin(), hindered_.end(),
                           [](const auto& a, const auto& b) { return a.second < b.second; });
@@ -227,7 +229,7 @@ class WorldRun {
   world::WorldResult world_;
   std::int64_t frames_ = 0, tracked_ = 0;
   std::map<world::Hindrance, std::int64_t> hindered_;  // a hand that is there: frames
-  bool told_ = false;
+  bool told_ = false, lay_ = false;
 };
 
 int world_of(TrackingRun run, const Choices& choices) {

@@ -59,6 +59,7 @@ HandAtRest::Rest HandAtRest::update(const Picture& picture, double time_s, const
     hindrance_ = hand.mask.width > 0 ? Hindrance::unsure : Hindrance::no_hand;
     return Rest::no;
   }
+  if (hindrance_ == Hindrance::no_hand) hindrance_.reset();
   if (start_) {
     if (const auto fault = go_on(picture, hand, free, camera)) {
       hindrance_ = fault;

@@ -20,7 +20,8 @@ class HandAtRest {
   Rest update(const Picture& picture, double time_s, const HandInWorld& hand, const cv::Mat& free,
               const Camera& camera);
 
-  /// What the last attempt failed for, until the hand has lain still for a while again.
+  /// What the last attempt failed for, until the hand has lain still for a while again; that there
+  /// was none, until there is one.
   std::optional<Hindrance> hindrance() const { return hindrance_; }
   /// The hand has lain, but that was not enough.
   void reject(Hindrance why) { hindrance_ = why; }
