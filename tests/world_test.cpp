@@ -439,6 +439,13 @@ TEST(MapFile, SaysWhatIsWrongWithIt) {
   changed.replace(changed.find("\"keyframes\":["), 13, "\"keyframes\":[0,0,0,0,0,0,0,");
   EXPECT_EQ(fault_of(changed + '\n'),
             "desk.map: its keyframes are larger than 60 of 4096x2160 pixels");
+  EXPECT_EQ(fault_of("{\"format\":\"handyar-map\",\"version\":1}\n"),
+            "desk.map: key 'camera' not found");
+  changed = whole;
+  changed[changed.find("IDAT") + 20] ^= 1;
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(fault_of(changed), "desk.map: a picture cannot be read");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "libpng's own words";
   EXPECT_THROW(static_cast<void>(read_map("/nowhere/desk.map")), io::Error);
 }
 

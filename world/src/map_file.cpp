@@ -7,6 +7,7 @@
 
 #include "handyar/io/json.hpp"
 #include "handyar/io/pending_file.hpp"
+#include "handyar/io/quiet_standard_error.hpp"
 #include "handyar/world/world_map.hpp"
 #include "picture.hpp"
 
@@ -165,6 +166,7 @@ class Reader {
                       big_endian(20) == static_cast<std::uint32_t>(map_.camera.height_px);
     if (!fits) fail("a picture is no PNG of the camera's size");
     const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
+    const io::QuietStandardError quiet;
     cv::Mat grey = cv::imdecode(raw, cv::IMREAD_GRAYSCALE);
     if (grey.empty()) fail("a picture cannot be read");
     return grey;

@@ -22,10 +22,13 @@ inline std::string fault_of(const Json::exception& e) {
 /// that begins with `name`.
 template <class Read>
 auto parse_json(std::string_view text, std::string_view name, Read read) {
+  bool parsed = false;
   try {
-    return read(Json::parse(text));
+    const Json root = Json::parse(text);
+    parsed = true;
+    return read(root);
   } catch (const Json::exception& e) {
-    throw Error(name, "is not valid JSON: " + fault_of(e));
+    throw Error(name, (parsed ? "" : "is not valid JSON: ") + fault_of(e));
   }
 }
 
