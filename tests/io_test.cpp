@@ -412,6 +412,15 @@ TEST_F(IoTest, StandardErrorComesBackWhenTheLastHasEnded) {
   EXPECT_TRUE(loud);
 }
 
+TEST_F(IoTest, AFileThatIsReplacedKeepsItsPermissions) {
+  write_text(path("p.csv"), "old");
+  const auto owner_only = fs::perms::owner_read | fs::perms::owner_write;
+  fs::permissions(path("p.csv"), owner_only);
+  write_text(path("p.csv"), "new");
+  EXPECT_EQ(read_text(path("p.csv")), "new");
+  EXPECT_EQ(fs::status(path("p.csv")).permissions(), owner_only);
+}
+
 TEST_F(IoTest, NamesMayBeAsLongAsTheSystemAllows) {
   const std::string name = path(std::string(251, 'n') + ".txt");
   write_text(name, "new");

@@ -99,6 +99,10 @@ PendingFile::PendingFile(const std::string& target) : target_(target) {
   errno = 0;
   if (!std::ofstream(path_, std::ios::binary))
     throw Error(target, "cannot be written: " + reason());
+  // What was private stays so; it is opened by its name again, so its owner must be able to write.
+  if (const fs::file_status before = fs::status(destination, ignored); fs::exists(before))
+    fs::permissions(path_, before.permissions() | fs::perms::owner_read | fs::perms::owner_write,
+                    ignored);
   lock_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
   if (lock_ >= 0) ::flock(lock_, LOCK_EX | LOCK_NB);
 }
