@@ -23,18 +23,15 @@ int make_board(const BoardRun& run) {
   if (!squares || squares->width < 4 || squares->height < 4)
     throw WrongUsage("--squares " + run.squares + " is not like 9x7, from 4x4 to 50x50");
   const Board board{squares->width - 1, squares->height - 1, run.square_mm / 1000};
-  const std::string type = std::filesystem::path(run.out).extension().string();
-  if (type == ".pdf") {
+  const bool printed = CLI::detail::to_lower(std::filesystem::path(run.out).extension()) == ".pdf";
+  if (printed)
     io::write_text(run.out, board_pdf(board));
-  } else if (type == ".png") {
+  else
     io::write_picture(run.out, board_image(board));
-  } else {
-    throw WrongUsage("--out " + run.out + " is neither .pdf nor .png");
-  }
   std::cout << run.out << ": use it with --board " << board.columns << "x" << board.rows
             << " --square-mm "
-            << (type == ".pdf" ? "and the side you measure on the print"
-                               : "and the side you measure on the screen")
+            << (printed ? "and the side you measure on the print"
+                        : "and the side you measure on the screen")
             << '\n';
   return kDone;
 }
@@ -45,7 +42,8 @@ Command add_board(CLI::App& app) {
   CLI::App* options = app.add_subcommand("board", "Make the checkerboard to print or to show");
   const auto run = std::make_shared<BoardRun>();
   options->add_option("--out", run->out, "Where to write it: .pdf in true size, or .png")
-      ->required();
+      ->required()
+      ->check(ends_in({".pdf", ".png"}));
   options->add_option("--squares", run->squares, "Squares across and down")->capture_default_str();
   options->add_option("--square-mm", run->square_mm, "Side of a square, in print")
       ->check(between(1.0, 1000.0))

@@ -57,9 +57,6 @@ void check_usage(const CalibrateRun& run) {
     throw WrongUsage("--camera and --camera-out: the camera is either given or calibrated");
   if (!run.wants_hand() && run.camera_out.empty())
     throw WrongUsage("nothing to write: give --camera-out, --hand-out or --picture");
-  if (const auto type = std::filesystem::path(run.picture_out).extension();
-      !run.picture_out.empty() && type != ".png" && type != ".jpg")
-    throw WrongUsage("--picture " + run.picture_out + " is neither .png nor .jpg");
   require_distinct_files({run.input, run.camera_file},
                          {run.camera_out, run.hand_out, run.picture_out});
 }
@@ -229,8 +226,10 @@ Command add_calibrate(CLI::App& app) {
       ->check(between(1.0, 1000.0));
   options->add_option("--camera-out", run->camera_out, "Write the camera (YAML)");
   options->add_option("--hand-out", run->hand_out, "Write the hand (JSON)");
-  options->add_option("--picture", run->picture_out,
-                      "Write a picture of the result (paper Figure 5)");
+  options
+      ->add_option("--picture", run->picture_out,
+                   "Write a picture of the result, paper Figure 5 (.png, .jpg)")
+      ->check(ends_in({".png", ".jpg"}));
   options->add_option("--camera", run->camera_file,
                       "Known camera (YAML): only the hand is measured");
   options->add_option("--method", run->method, "How the hand is measured")

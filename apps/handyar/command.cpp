@@ -47,6 +47,15 @@ CLI::Validator between(double low, double high) {
   return CLI::Validator(fault_of, range.str());
 }
 
+CLI::Validator ends_in(std::vector<std::string> extensions) {
+  const auto fault_of = [extensions = std::move(extensions)](const std::string& name) {
+    const std::string type = CLI::detail::to_lower(fs::path(name).extension().string());
+    const bool good = std::find(extensions.begin(), extensions.end(), type) != extensions.end();
+    return good ? "" : name + " does not end in " + CLI::detail::join(extensions, ", ");
+  };
+  return CLI::Validator(fault_of, "");
+}
+
 std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
   if (option->get_type_size() == 0) return "";  // a flag
   std::string type = option->get_type_name();   // "TEXT:{full,half}": what the check says is enough

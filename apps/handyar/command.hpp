@@ -36,6 +36,9 @@ Command add_world(CLI::App& app);
 /// What an option's number may be; unlike CLI11's own check it does not take nan.
 CLI::Validator between(double low, double high);
 
+/// What a file's name may end in, in capitals or not.
+CLI::Validator ends_in(std::vector<std::string> extensions);
+
 /// An option's line in the help: "--model-mm 1 to 10000 (90)", "--processing full|half (full)".
 class HelpFormatter : public CLI::Formatter {
  public:

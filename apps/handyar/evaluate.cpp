@@ -170,9 +170,10 @@ Command add_evaluate(CLI::App& app) {
   options->add_option("--hand", e->options.hand_file, "Hand file (JSON) for all of them");
   options->add_flag("--uncalibrated", e->options.uncalibrated,
                     "The average hand, though a measured one is known");
-  options->add_option("--begins", e->begins,
-                      "Of a tree: how often each clip of an open_frames.csv is begun, each time "
-                      "from another place")
+  options
+      ->add_option("--begins", e->begins,
+                   "Of a tree: how often each clip of an open_frames.csv is begun, each time "
+                   "from another place")
       ->check(between(1, 100));
   options->add_option("--board", e->board, "Checkerboard in view, inner corners, e.g. 8x6");
   options->add_option("--square-mm", e->square_mm, "Side of its squares")->check(between(1, 10000));

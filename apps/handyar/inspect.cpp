@@ -67,8 +67,7 @@ Command add_inspect(CLI::App& app) {
   options->add_option("--scene", *scene, "Scene file: objects and their markers (JSON)")
       ->required();
   add_tracker_files(options, *run);
-  options->add_option("--video", run->video_out, "Write the video (.mp4, .mkv, .avi)")
-      ->type_name("FILE");
+  add_video(options, *run, "Write the video");
   options->add_option("--events", *events, "Write what happens, a line of JSON each")
       ->type_name("FILE");
   options->add_flag("--show", run->show, "Show it in a window; q or Esc ends");

@@ -102,8 +102,7 @@ Command add_track(CLI::App& app) {
                     "Keep exposure, white balance and focus after the first second");
   options->add_option("--poses", run->poses_out, "Write one row per frame (CSV)")
       ->type_name("FILE");
-  options->add_option("--video", run->video_out, "Write the annotated video (.mp4, .mkv, .avi)")
-      ->type_name("FILE");
+  add_video(options, *run, "Write the annotated video");
   options
       ->add_option("--model", choices->model,
                    "Stand an object on the hand: teapot, bunny, or a file (OBJ, PLY, glTF)")
@@ -125,8 +124,10 @@ Command add_track(CLI::App& app) {
       ->type_name("FILE");
   options
       ->add_option("--record", run->record_out,
-                   "Record the input without loss, with its times, to replay it (.mkv)")
-      ->type_name("FILE");
+                   "Record the input without loss, with its times to the millisecond, to replay it "
+                   "(.mkv)")
+      ->type_name("FILE")
+      ->check(ends_in({".mkv"}));
   options->add_flag("--show", run->show, "Show it in a window; ? there tells the keys, q ends");
   options->add_flag("--mirror", run->mirrored,
                     "Mirror what is shown, as one sees oneself; the poses stay as they are");

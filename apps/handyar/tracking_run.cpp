@@ -303,6 +303,12 @@ void add_tracker_files(CLI::App* options, TrackingRun& run) {
       ->type_name("FILE");
 }
 
+void add_video(CLI::App* options, TrackingRun& run, const std::string& what) {
+  options->add_option("--video", run.video_out, what + " (.mp4, .mov, .mkv, .avi)")
+      ->type_name("FILE")
+      ->check(ends_in({".mp4", ".mov", ".mkv", ".avi"}));
+}
+
 Summary track(const TrackingRun& run) {
   require_distinct_files({run.input, run.camera_file, run.hand_file},
                          {run.poses_out, run.video_out, run.events_out, run.record_out});

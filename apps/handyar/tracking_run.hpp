@@ -50,6 +50,9 @@ struct TrackingRun {
 /// The options --camera, --readout-ms and --hand of a subcommand that tracks.
 void add_tracker_files(CLI::App* options, TrackingRun& run);
 
+/// The option --video; `what`: "Write the video".
+void add_video(CLI::App* options, TrackingRun& run, const std::string& what);
+
 struct Summary {
   std::int64_t frames = 0, tracked = 0;
   std::optional<std::int64_t> both;  ///< where two hands were asked for: frames with both tracked

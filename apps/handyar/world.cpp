@@ -285,8 +285,7 @@ Command add_world(CLI::App& app) {
       ->capture_default_str();
   options->add_option("--poses", choices->poses, "Write the camera's pose in the world (CSV)")
       ->type_name("FILE");
-  options->add_option("--video", run->video_out, "Write the video (.mp4, .mkv, .avi)")
-      ->type_name("FILE");
+  add_video(options, *run, "Write the video");
   options->add_option("--events", choices->events, "Write what happens, a line of JSON each")
       ->type_name("FILE");
   options->add_flag("--show", run->show, "Show it in a window; ? there tells the keys, q ends");
