@@ -145,7 +145,9 @@ TEST_F(CalibrateCli, WrongUsageIsCode2) {
   for (const std::string& arguments :
        {kRecording, kRecording + " --board 8x6 --hand-out h.json",
         kRecording + " --board 8by6 --square-mm 22 --hand-out h.json",
-        kRecording + " --self --hand-out h.json", kRecording + " --board 8x6 --square-mm 22",
+        kRecording + " --self --hand-out h.json",
+        kRecording + " --self --camera " + kCamera + " --square-mm 22 --hand-out h.json",
+        kRecording + " --board 8x6 --square-mm 22",
         kRecording + " --board 8x6 --square-mm 22 --hand-out a --camera-out a"}) {
     const Outcome r = run("calibrate " + arguments);
     EXPECT_EQ(r.code, 2) << arguments << r.err;

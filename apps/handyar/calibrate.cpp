@@ -35,26 +35,14 @@ constexpr const char* kNotes =
 
 Board board_of(const CalibrateRun& run) {
   if (run.grid.empty() || run.square_mm <= 0)
-    throw WrongUsage("--board and --square-mm are needed (or --self, without a board)");
+    throw WrongUsage("--board and --square-mm are needed, or --self and --camera");
   const auto grid = parse_grid(run.grid);
   if (!grid) throw WrongUsage("--board " + run.grid + " is not like 8x6, from 3x3 to 50x50");
   return {grid->width, grid->height, run.square_mm / 1000};
 }
 
 void check_usage(const CalibrateRun& run) {
-  if (run.self) {
-    if (run.camera_file.empty() && !run.assume_camera)
-      throw WrongUsage("--self needs a calibrated --camera");
-    if (!run.grid.empty()) throw WrongUsage("--self takes no --board");
-    if (run.span_mm > 0 && run.hand_length_mm > 0)
-      throw WrongUsage("--span-mm and --hand-length-mm: one of them is enough");
-  } else {
-    board_of(run);
-    if (run.span_mm > 0 || run.hand_length_mm > 0)
-      throw WrongUsage("--span-mm and --hand-length-mm belong to --self; here the board measures");
-  }
-  if (!run.camera_file.empty() && !run.camera_out.empty())
-    throw WrongUsage("--camera and --camera-out: the camera is either given or calibrated");
+  if (!run.self) board_of(run);
   if (!run.wants_hand() && run.camera_out.empty())
     throw WrongUsage("nothing to write: give --camera-out, --hand-out or --picture");
   require_distinct_files({run.input, run.camera_file},
@@ -230,8 +218,9 @@ Command add_calibrate(CLI::App& app) {
       ->add_option("--picture", run->picture_out,
                    "Write a picture of the result, paper Figure 5 (.png, .jpg)")
       ->check(ends_in({".png", ".jpg"}));
-  options->add_option("--camera", run->camera_file,
-                      "Known camera (YAML): only the hand is measured");
+  options
+      ->add_option("--camera", run->camera_file, "Known camera (YAML): only the hand is measured")
+      ->excludes("--camera-out");
   options->add_option("--method", run->method, "How the hand is measured")
       ->check(CLI::IsMember({"triangulation", "plane"}))
       ->capture_default_str();
@@ -240,14 +229,19 @@ Command add_calibrate(CLI::App& app) {
                    "Height of the fingertips above the board, for the paper's way")
       ->check(between(0.0, 50.0))
       ->capture_default_str();
-  options->add_flag("--self", run->self, "Without a board: from the hand's own motion");
+  options->add_flag("--self", run->self, "Without a board: from the hand's own motion")
+      ->needs("--camera")
+      ->excludes("--board", "--square-mm", "--method", "--thickness-mm");
   options
       ->add_option("--span-mm", run->span_mm,
                    "With --self: thumb tip to little fingertip, as spread in the recording")
+      ->needs("--self")
       ->check(between(50.0, 350.0));
   options
       ->add_option("--hand-length-mm", run->hand_length_mm,
                    "With --self: crease of the wrist to tip of the middle finger")
+      ->needs("--self")
+      ->excludes("--span-mm")
       ->check(between(80.0, 300.0));
   options->add_flag("--show", run->show, "Show what is seen and what is missing; q or Esc ends");
   options->footer(kNotes);

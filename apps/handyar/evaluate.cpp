@@ -59,7 +59,6 @@ SequenceOptions sequence_options(const Evaluation& e) {
   if (!e.board.empty()) {
     const auto grid = parse_grid(e.board);
     if (!grid) throw WrongUsage("--board " + e.board + " is not like 8x6, from 3x3 to 50x50");
-    if (e.square_mm <= 0) throw WrongUsage("--board needs --square-mm");
     o.board = Board{grid->width, grid->height, e.square_mm * 1e-3};
   }
   if (e.aruco_mm > 0) o.aruco = Marker{e.aruco_dictionary, -1, e.aruco_mm * 1e-3};
@@ -175,12 +174,18 @@ Command add_evaluate(CLI::App& app) {
                    "Of a tree: how often each clip of an open_frames.csv is begun, each time "
                    "from another place")
       ->check(between(1, 100));
-  options->add_option("--board", e->board, "Checkerboard in view, inner corners, e.g. 8x6");
-  options->add_option("--square-mm", e->square_mm, "Side of its squares")->check(between(1, 10000));
+  CLI::Option* const board =
+      options->add_option("--board", e->board, "Checkerboard in view, inner corners, e.g. 8x6");
+  CLI::Option* const square =
+      options->add_option("--square-mm", e->square_mm, "Side of its squares")
+          ->needs(board)
+          ->check(between(1, 10000));
+  board->needs(square);
   options->add_option("--aruco-mm", e->aruco_mm, "Side of an ArUco marker in view")
       ->check(between(1, 10000));
   options
       ->add_option("--aruco-dictionary", e->aruco_dictionary, "Its dictionary, as OpenCV calls it")
+      ->needs("--aruco-mm")
       ->check(CLI::IsMember(aruco_dictionaries()).description("NAME"))
       ->capture_default_str();
   options->add_option("--apriltag-mm", e->apriltag_mm, "Side of an AprilTag (36h11) in view")

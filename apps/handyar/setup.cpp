@@ -58,8 +58,8 @@ int print_remembered() {
 }
 
 int set_up(const Setup& setup) {
-  if (setup.measures_hand() && !setup.hand_file.empty())
-    throw WrongUsage("--hand, --hand-length-mm and --span-mm: one of them is enough");
+  if (setup.show && !setup.measures_hand())
+    throw WrongUsage("--show needs --hand-length-mm or --span-mm");
   if (setup.forget) forget();
   if (!setup.camera_file.empty()) remember_camera(setup.camera_file);
   if (!setup.hand_file.empty()) remember_hand(setup.hand_file);
@@ -82,10 +82,12 @@ Command add_setup(CLI::App& app) {
   options
       ->add_option("--hand-length-mm", setup->hand_length_mm,
                    "Measure the hand: crease of the wrist to tip of the middle finger")
+      ->excludes("--hand")
       ->check(between(80.0, 300.0));
   options
       ->add_option("--span-mm", setup->span_mm,
                    "Measure the hand: thumb tip to little fingertip, as spread")
+      ->excludes("--hand", "--hand-length-mm")
       ->check(between(50.0, 350.0));
   options->add_flag("--show", setup->show, "Show what is seen while the hand is measured");
   options->add_flag("--forget", setup->forget, "Forget what was remembered before");

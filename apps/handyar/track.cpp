@@ -66,7 +66,11 @@ void ask_camera(const Choices& choices, TrackingRun& run) {
 void stand_on_hand(const Choices& choices, TrackingRun& run) {
   require_distinct_files({choices.model},
                          {run.poses_out, run.video_out, run.events_out, run.record_out});
-  if (choices.model.empty() && !run.show) return;
+  if (choices.model.empty() && !run.show) {
+    if (choices.model_mm || choices.attach != "face")
+      throw WrongUsage("--model-mm and --attach need --model");
+    return;
+  }
   const Attachment where = *find_attachment(choices.attach);
   const double size_mm = choices.model_mm.value_or(on_finger(where) ? 25 : 90);
   std::vector<std::shared_ptr<ObjectOnHand>> objects;
@@ -174,6 +178,9 @@ Command add_track(CLI::App& app) {
               throw WrongUsage("INPUT is required, handyar setup remembers one");
             if (run->hands > 1 && run->method == Method::paper)
               throw WrongUsage("--method paper follows one hand, not --hands 2");
+            if (run->method != Method::paper &&
+                (choices->processing != "full" || choices->fingertips != "ellipse"))
+              throw WrongUsage("--processing and --fingertips are for --method paper");
             ask_camera(*choices, *run);
             stand_on_hand(*choices, *run);
             run->debug_frames = debug_frames_of(*choices, *run);
