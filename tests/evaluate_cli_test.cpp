@@ -69,6 +69,7 @@ TEST_F(EvaluateCli, AFaultyInputLeavesNoReport) {
   const std::string report = " --report " + file("report");
   expect_refused(file("no.mp4") + report, 1, "no.mp4: no such file");
   expect_refused("--stills " + file("no.csv") + report, 1, "no.csv: cannot be read");
+  expect_refused("--stills " + write("empty.csv", "") + report, 1, "empty.csv: names no picture");
   write("broken.png", "\x89PNG\r\n\x1a\n and no more");
   const std::string list = write("list.csv", kHeader + "broken.png," + kTips + "\n");
   expect_refused("--stills " + list + report, 1, "broken.png: is not a picture");

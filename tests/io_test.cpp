@@ -792,6 +792,10 @@ TEST_F(IoTest, PhotographsThatAreTooLargeAreReduced) {
   EXPECT_EQ(open_input(path("tall.jpg"))->info().height_px, 3000);
   cv::imwrite(path("large.png"), quarters(2160, 4096));
   EXPECT_EQ(open_input(path("large.png"))->info().reduced_by, 1);
+  cv::imwrite(path("wide.png"), quarters(5000, 130));
+  EXPECT_EQ(fault_of([&] { open_input(path("wide.png")); }),
+            path("wide.png") +
+                ": 2500x65 pixels with its sides divided by 2: 160x120 to 4096x2160 are taken");
 }
 
 TEST_F(IoTest, PictureThatBreaksOffIsNone) {

@@ -33,7 +33,8 @@ std::vector<std::string> split(const std::string& line) {
 AnnotatedList::AnnotatedList(const std::string& file) : file_(file) {
   std::ifstream in(file);
   std::string line;
-  if (!in || !std::getline(in, line)) throw io::Error(file, "cannot be read");
+  std::getline(in, line);
+  if (!in.is_open() || in.bad()) throw io::Error(file, "cannot be read");
   if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
   const std::vector<std::string> header = split(line);
   for (std::size_t number = 2; std::getline(in, line); ++number) {

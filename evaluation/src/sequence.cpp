@@ -99,8 +99,9 @@ std::vector<Sequence> open_sequences(const std::vector<std::string>& paths,
   for (const std::string& path : paths) {
     Sequence s = open_sequence(path, options);
     const auto same = [&](const Sequence& other) { return other.name == s.name; };
-    if (std::any_of(all.begin(), all.end(), same))
-      s.name = fs::weakly_canonical(path).parent_path().filename().string() + "-" + s.name;
+    const std::string folder = fs::weakly_canonical(path).parent_path().filename().string();
+    if (!folder.empty() && std::any_of(all.begin(), all.end(), same))
+      s.name = folder + "-" + s.name;
     for (int i = 2; std::any_of(all.begin(), all.end(), same); ++i)
       s.name += "-" + std::to_string(i);
     all.push_back(std::move(s));

@@ -72,11 +72,12 @@ void reduce(cv::Mat& picture, int by) {
   cv::resize(picture(cv::Rect({0, 0}, size * by)), picture, size, 0, 0, cv::INTER_AREA);
 }
 
-void require_usable(const Frame& frame, const std::string& name) {
-  const FrameStatus status = check(frame.view());
-  if (status == FrameStatus::ok) return;
+void require_usable(const Frame& frame, const std::string& name, int reduced_by) {
+  if (check(frame.view()) == FrameStatus::ok) return;
+  const std::string divided =
+      reduced_by > 1 ? " with its sides divided by " + std::to_string(reduced_by) : "";
   throw Error(name, std::to_string(frame.bgr.cols) + "x" + std::to_string(frame.bgr.rows) +
-                        " pixels: " + describe(status));
+                        " pixels" + divided + ": 160x120 to 4096x2160 are taken");
 }
 
 void require_same_size(const Frame& frame, const SourceInfo& info) {

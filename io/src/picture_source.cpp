@@ -79,7 +79,7 @@ class PictureSource final : public FrameSource {
     info_.reduced_by = reduction(first.bgr);
     reduce(loaded_, info_.reduced_by);
     reduce(first.bgr, info_.reduced_by);
-    require_usable(first, pictures_.front().path);
+    require_usable(first, pictures_.front().path, info_.reduced_by);
     info_.width_px = first.bgr.cols;
     info_.height_px = first.bgr.rows;
   }

@@ -22,8 +22,8 @@ bool is_picture_pattern(const std::string& path);
 int reduction(const cv::Mat& picture);
 void reduce(cv::Mat& picture, int by);
 
-/// Throws Error when HandTracker does not take such frames.
-void require_usable(const Frame& frame, const std::string& name);
+/// Throws Error when HandTracker does not take frames of such a size.
+void require_usable(const Frame& frame, const std::string& name, int reduced_by = 1);
 /// Throws Error when the frame's size is not the source's.
 void require_same_size(const Frame& frame, const SourceInfo& info);
 

@@ -75,7 +75,7 @@ class VideoSource final : public FrameSource {
     }
     info_.reduced_by = reduction(ahead_.bgr);
     reduce(ahead_.bgr, info_.reduced_by);
-    require_usable(ahead_, path);
+    require_usable(ahead_, path, info_.reduced_by);
     info_.width_px = ahead_.bgr.cols;
     info_.height_px = ahead_.bgr.rows;
     has_ahead_ = true;
