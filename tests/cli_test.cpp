@@ -352,6 +352,15 @@ TEST_F(CliTest, ClosedStandardStreamsAreNoneOfTheOutputs) {
   EXPECT_EQ(contents(out("closed.csv")), contents(out("open.csv")));
 }
 
+TEST_F(CliTest, StandardOutputThatIsFullIsAFault) {
+  for (const char* arguments : {"cameras", "--version", "track --help", "setup"}) {
+    const std::string command = std::string("'" HANDYAR_PROGRAM "' ") + arguments;
+    const int status = std::system((command + " >/dev/full 2>" + out("err")).c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 1) << arguments;
+    EXPECT_EQ(contents(out("err")), "handyar: standard output: cannot be written\n");
+  }
+}
+
 TEST_F(CliTest, DebugWritesTheStagesOfTheChosenFrames) {
   const Outcome r = run("track " + kVideo + " --debug " + out("") + " --debug-frames 0,60-61");
   EXPECT_EQ(r.code, 0) << r.err;

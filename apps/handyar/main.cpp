@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 
@@ -49,6 +50,11 @@ void open_standard_streams() {
     if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", O_RDWR);
 }
 
+void require_standard_output() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    throw handyar::io::Error("standard output", "cannot be written");
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"A bare outstretched hand, used like a printed AR marker.", "handyar"};
   app.set_version_flag("--version", "handyar " HANDYAR_VERSION);
@@ -84,7 +90,9 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   open_standard_streams();
   try {
-    return run(argc, argv);
+    const int code = run(argc, argv);
+    if (code == kDone) require_standard_output();
+    return code;
   } catch (const handyar::io::Error& e) {
     std::cerr << "handyar: " << e.what() << '\n';
   } catch (const Interrupted&) {
