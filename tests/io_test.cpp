@@ -290,6 +290,10 @@ TEST_F(IoTest, FaultyHandFilesAreRefusedByField) {
   swapped = replaced(replaced(swapped, "\"ring\"", "\"index\""), "\"?\"", "\"ring\"");
   EXPECT_EQ(fault_of([&] { parse_hand(swapped, "h.json"); }),
             "h.json: tips_m: the fingers do not lie in order from thumb to little");
+  HandModel line = parse_hand(hand_text(), "h.json");
+  for (int i = 0; i < kFingerCount; ++i) line.tips_m.col(i) << 0.08 - 0.04 * i, 0, 0;
+  EXPECT_EQ(fault_of([&] { parse_hand(format_hand(line), "h.json"); }),
+            "h.json: tips_m: the fingers do not lie in order from thumb to little");
   std::string four = hand_text();
   const auto at = four.find(",\n  \"little\"");
   ASSERT_NE(at, std::string::npos);

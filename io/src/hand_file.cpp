@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kMinSpan_m = 0.05, kMaxSpan_m = 0.35;
 constexpr double kMinGap_m = 0.005;       // between neighbouring fingertips
+constexpr double kLeastTurn_m2 = 1e-6;    // from one to the next about the palm: none on a line
 constexpr double kMaxCoordinate_m = 0.5;  // of anything on a hand
 constexpr double kMaxHeight_m = 0.12;     // above or below the mean of the fingertips
 constexpr double kMaxThickness_m = 0.1;
@@ -125,7 +126,8 @@ void require_order(const Reader& file, const HandModel& hand) {
   for (int i = 0; i + 1 < kFingerCount; ++i) {
     const Eigen::Vector2d a = (hand.tips_m.col(i) - hand.palm_centre_m()).head<2>();
     const Eigen::Vector2d b = (hand.tips_m.col(i + 1) - hand.palm_centre_m()).head<2>();
-    turns += a.x() * b.y() > a.y() * b.x() ? 1 : -1;
+    const double turn_m2 = a.x() * b.y() - a.y() * b.x();
+    turns += (turn_m2 > kLeastTurn_m2) - (turn_m2 < -kLeastTurn_m2);
   }
   if (std::abs(turns) != kFingerCount - 1) {
     file.fail("tips_m: the fingers do not lie in order from thumb to little");
