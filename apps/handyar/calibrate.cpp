@@ -121,7 +121,7 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
             return !(info.live && coverage.done());
           });
   }
-  if (interrupt() != 0 && !info.live) return 128 + interrupt();
+  if (!info.live) require_no_interrupt();
 
   Camera camera;
   if (known_camera) {
@@ -166,7 +166,7 @@ int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Cam
             return window->show(picture, 0.001);
           });
   }
-  if (interrupt() != 0 && !info.live) return 128 + interrupt();
+  if (!info.live) require_no_interrupt();
   KnownLength known;
   if (run.span_mm > 0) known.span_m = run.span_mm / 1000;
   if (run.hand_length_mm > 0) known.hand_length_m = run.hand_length_mm / 1000;
