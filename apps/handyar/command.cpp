@@ -64,6 +64,7 @@ std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
   std::erase_if(type, [](char c) { return c == '{' || c == '}'; });
   std::string text = type.find_first_not_of(' ') == std::string::npos ? "" : " " + type;
   if (!option->get_default_str().empty()) text += " (" + option->get_default_str() + ")";
+  if (option->get_required() && !option->get_positional()) text += " (required)";
   return text;
 }
 
