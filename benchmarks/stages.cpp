@@ -57,7 +57,7 @@ void align(benchmark::State& state) {
   if (s == nullptr) return;
   for (auto _ : state)
     benchmark::DoNotOptimize(s->aligner.align(view(s->picture), clip().camera, s->appearance,
-                                              s->state, s->prior, 0.009));
+                                              s->state, s->prior, kNearSteps));
 }
 
 void learn(benchmark::State& state) {

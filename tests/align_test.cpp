@@ -31,7 +31,7 @@ struct Scene {
   }
 
   Alignment align(const HandState& start) {
-    return aligner.align(picture.view(), camera, hand.appearance, start, prior(start), 0.021);
+    return aligner.align(picture.view(), camera, hand.appearance, start, prior(start), kFarSteps);
   }
 
   Camera camera;
@@ -74,8 +74,9 @@ TEST(Aligner, AnEmptyRoomSpeaksAgainstAHand) {
   test::Picture room(640, 480);
   room.texture(24, "Scene");
   room.add_noise(4, 2);
-  const Alignment a = scene.aligner.align(room.view(), scene.camera, scene.hand.appearance,
-                                          scene.hand.state, scene.prior(scene.hand.state), 0.009);
+  const Alignment a =
+      scene.aligner.align(room.view(), scene.camera, scene.hand.appearance, scene.hand.state,
+                          scene.prior(scene.hand.state), kNearSteps);
   EXPECT_TRUE(!a.valid || a.log_ratio < 6) << a.log_ratio;
 }
 

@@ -162,7 +162,7 @@ TEST_P(GesturesAt, AHandThatMovesItsFingersOrGoesTellsNothing) {
   for (int i = 0; i < film.fps; ++i) EXPECT_FALSE(film.next().gesture_event);
 }
 
-INSTANTIATE_TEST_SUITE_P(FramesPerSecond, GesturesAt, testing::Values(15, 30, 60));
+INSTANTIATE_TEST_SUITE_P(FramesPerSecond, GesturesAt, testing::Values(15, 30, 60, 120));
 
 }  // namespace
 }  // namespace handyar

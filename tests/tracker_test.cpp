@@ -221,6 +221,27 @@ TEST(Tracker, AFingertipHiddenForAWhileKeepsThePose) {
   }
 }
 
+TEST(Tracker, AHandThatStopsWhileTheCameraPausesIsFollowedFromWhereItIs) {
+  Film film;
+  const double speed_m_s = 0.2;
+  const auto show = [&](double x_m) {
+    film.time_s += 1 / film.fps;
+    ++film.frame;
+    film.T_camera_hand = test::hand_at(0.45, deg(15), 0.2, {x_m, 0});
+    film.result = film.tracker.process(film.picture().view(), film.time_s);
+  };
+  double x_m = -0.08;
+  for (; x_m < 0.04; x_m += speed_m_s / film.fps) show(x_m);
+  ASSERT_EQ(film.result.state, State::tracking);
+  film.time_s += 1.0;
+  for (int i = 0; i < 2; ++i) {
+    show(x_m);
+    EXPECT_EQ(film.result.state, State::tracking) << i;
+    EXPECT_FALSE(film.result.doubtful) << i << ": another hand is taken for it";
+    EXPECT_LT(film.worst_tip_px(), 8) << i;
+  }
+}
+
 TEST(Tracker, FingersThatMoveLeaveThePalmsPoseAndAreReported) {
   Film film;
   ASSERT_LT(film.until(State::tracking, 1), 1);

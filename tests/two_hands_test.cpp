@@ -121,6 +121,24 @@ TEST_F(TwoHands, AHandThatClosesAndOpensIsNotTakenByTheOther) {
   EXPECT_EQ(film.result.state, State::tracking);
 }
 
+TEST_F(TwoHands, TheSecondsHandComesBackAlone) {
+  left_x_m = 0.17;
+  left_present = false;
+  ASSERT_LT(film.until(State::tracking, 0.5), 0.5);
+  left_present = true;
+  until_both(0.5);
+  for (int i = 0; i < 6; ++i) next();
+  film.present = left_present = false;
+  for (int i = 0; i < 20; ++i) next();
+  ASSERT_EQ(film.result.state, State::lost);
+  ASSERT_EQ(result.state, State::lost);
+  left_present = true;
+  for (int i = 0; i < 6; ++i) next();
+  EXPECT_EQ(result.state, State::tracking);
+  EXPECT_NE(film.result.state, State::tracking);
+  EXPECT_LT(left_off_px(), 8);
+}
+
 TEST(ShareView, EndsWithEitherTracker) {
   Film film;
   {

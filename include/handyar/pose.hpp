@@ -11,7 +11,7 @@ namespace handyar {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// Camera pose relative to the hand, from one frame (paper 2.5).
+/// Pose of the hand in the camera, from one frame (paper 2.5).
 struct PoseEstimate {
   Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
 

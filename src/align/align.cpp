@@ -17,22 +17,17 @@ namespace {
 
 // Lengths of a line's segments, one iteration each, in steps of kStep_m at the hand: from coarse,
 // which reaches far, to fine, which is exact.
-constexpr std::array<float, 9> kSegments{4, 4, 4, 3, 2, 2, 1, 1, 1};
+constexpr std::array kSegments{4, 3, 2, 2, 1, 1, 1};
 constexpr double kStep_m = 0.00075;
 // What is visible changes little from step to step: it is looked at anew after so many.
 constexpr std::size_t kChosenFor = 4;
 // The palm's texture takes part in so many steps, the last: it reaches no farther than its cells.
 constexpr std::size_t kTextureSteps = 2;
 
-/// How far from the outline the lines of an iteration reach.
-double line_reach_m(std::size_t iteration) {
-  return BoundaryLine::kHalf * kSegments[iteration] * kStep_m;
-}
-/// The last, finest iteration whose lines reach so far: what comes before it is not needed.
-std::size_t first_iteration(double reach_m) {
+/// The last iteration that is as coarse: of equal ones before it there is no need.
+std::size_t first_iteration(int coarsest) {
   std::size_t first = 0;
-  for (std::size_t i = 1; i < kSegments.size() && kSegments[i] > 1; ++i)
-    if (line_reach_m(i) >= reach_m) first = i;
+  while (first + 1 < kSegments.size() && kSegments[first + 1] >= coarsest) ++first;
   return first;
 }
 // Neighbouring lines see the same light, the same wrong figure: so much of one's say is its own.
@@ -203,14 +198,12 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
 }
 
 Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearance appearance,
-                         const HandState& start, const HandPrior& prior, double reach_m,
-                         double left_m) noexcept {
+                         const HandState& start, const HandPrior& prior, Steps steps) noexcept {
   Alignment a;
   a.state = start;
   a.prior = prior;
-  const std::size_t first = first_iteration(reach_m);
-  for (std::size_t i = first; i < kSegments.size(); ++i) {
-    if (i > first && line_reach_m(i) < left_m) break;
+  const std::size_t first = first_iteration(steps.coarsest);
+  for (std::size_t i = first; i < kSegments.size() && kSegments[i] >= steps.finest; ++i) {
     const bool choose = (i - first) % kChosenFor == 0;
     if (!impl_->step(frame, camera, appearance, prior, i, choose, a)) return a;
   }

@@ -12,7 +12,7 @@ namespace {
 
 // Less than this beside a place on the outline, and what lies there cannot be told.
 constexpr double kLeast_m = 0.0024;
-// Farther than this from the outline nothing is asked.
+// Free ground farther than this from the outline is not asked for.
 constexpr double kReach_m = 0.016;
 /// Spheres whose own roundness shows: fingertips, webs, the heel.
 constexpr std::array<std::uint8_t, 10> kRound{3, 7, 11, 15, 19, 20, 21, 22, 23, kHeel};
@@ -64,7 +64,7 @@ int Silhouette::choose(float spacing_px, Anchors& anchors) const noexcept {
   for (const std::uint8_t s : kRound) {
     const int n =
         std::max(6, static_cast<int>(std::lround(2 * std::numbers::pi * r_[s] / spacing_px)));
-    // Angles count from the finger's direction, so that they do not depend on the picture's axes.
+    // At a fingertip angles count from the finger's direction: places turn with it.
     float from = 0;
     if (s < kFirstWeb) {
       const Eigen::Vector2f d = disc_px(s) - disc_px(s - 1);

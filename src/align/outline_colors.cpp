@@ -9,14 +9,17 @@ namespace handyar {
 namespace {
 
 // A part's own colours count more than those of the whole hand, and a colour seen on neither side
-// tells nothing (shared/FIGURE.md's trial; unchanged since).
+// tells nothing (unchanged since the first trial of the figure).
 constexpr float kOwn = 0.6f;
 // The share of samples that says that a colour might come on either side.
 constexpr float kUnseen = 2e-4f;
 // Samples lie on their bin and its neighbours, so that colours a little off are known.
-constexpr float kCentre = 0.4f, kNeighbour = 0.1f;
+constexpr float kCentre = 0.4f, kNeighbour = (1 - kCentre) / 6;
 // No division by the samples of what was not seen yet.
 constexpr float kTiny = 1e-20f;
+// Of what is forgotten so much stays. With a hundredth of that the clips and hands that come back
+// are as before but for chance.
+constexpr float kLeastKept = 1e-3f;
 
 }  // namespace
 
@@ -28,7 +31,7 @@ void OutlineColors::forget() noexcept {
 }
 
 void OutlineColors::fade(float keep) noexcept {
-  weight_ /= std::clamp(keep, 1e-3f, 1.0f);
+  weight_ /= std::clamp(keep, kLeastKept, 1.0f);
   if (weight_ > 1e12f) normalise();
 }
 
@@ -38,6 +41,7 @@ void OutlineColors::normalise() noexcept {
     for (Counts& c : bin.tables) c = {c.hand * scale, c.background * scale};
   for (Counts& c : totals_) c = {c.hand * scale, c.background * scale};
   weight_ = 1;
+  finish();
 }
 
 void OutlineColors::add(int part, ColorBin bin, bool hand) noexcept {

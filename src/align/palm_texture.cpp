@@ -64,7 +64,7 @@ Matrix6d through(const Matrix6d& H, const Eigen::LLT<Matrix6d>& with_other) {
 
 /// The grid in a frame.
 struct PalmTexture::Sight {
-  std::array<Field, 3> camera_m;  ///< camera axes, from the hand's origin
+  std::array<Field, 3> camera_m;  ///< camera axes, from the grid's origin
   std::array<Field, 2> px;
   Field texture, seen;  ///< seen: 1 or 0
   bool whole = true;

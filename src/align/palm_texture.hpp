@@ -34,7 +34,7 @@ class PalmTexture {
 
  private:
   struct Sight;
-  /// Of the pose of the grid, about the hand's origin in camera axes: information and gradient.
+  /// Of the pose of the grid, about its origin in camera axes: information and gradient.
   struct Pull {
     bool valid = false;
     Matrix6d H = Matrix6d::Zero();
@@ -56,7 +56,7 @@ class PalmTexture {
   Field texture_{};                   ///< luma over that of the surroundings
   std::array<Field, 3> surface_m_{};  ///< the grid on the figure's palm, hand frame
   Eigen::Isometry3d T_hand_grid_ = Eigen::Isometry3d::Identity();
-  Matrix6d information_ = Matrix6d::Zero();  ///< of T_hand_grid_, about the hand's origin and axes
+  Matrix6d information_ = Matrix6d::Zero();  ///< of T_hand_grid_, about the grid's origin in the hand's axes
 };
 
 }  // namespace handyar

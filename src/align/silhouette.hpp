@@ -21,8 +21,7 @@ struct OutlineAnchor {
   float inside_px = 0, outside_px = 0;  ///< how far the figure, and the free ground, reach
 };
 
-/// Where an anchor is, in pixels of the view, and how its normal displacement follows from the
-/// state.
+/// Where an anchor is, in pixels of the view.
 struct OutlinePlace {
   Eigen::Vector2f px, normal;  ///< outwards
 };
@@ -85,7 +84,6 @@ class Silhouette {
   }
 
   Eigen::Vector2f disc_px(int sphere) const noexcept { return {x_[sphere], y_[sphere]}; }
-  float radius_px(int sphere) const noexcept { return r_[sphere]; }
 
  private:
   // Two spheres more than the figure: the forearm, which only hides.

@@ -16,7 +16,7 @@ using statistics::kFigureMean_m, statistics::kFigureModes_m, statistics::kFigure
     statistics::kFigureNumbers;
 static_assert(kFigureModes <= statistics::kFigureModes);
 
-// A finger that bends at its root bends as much again at the next joint, half of it: fitted to
+// A finger that bends at its root bends by so much of that again at the next joint: fitted to
 // rendered hands whose joints move (tools/hand_figure).
 constexpr double kMiddleShare = 0.4;
 

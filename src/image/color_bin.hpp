@@ -14,7 +14,7 @@ using ColorBin = std::uint16_t;
 inline constexpr int kLumaLevels = 16, kBinLevels = 32;  ///< of luma, of each chroma
 inline constexpr int kLumaShift = 10;
 inline constexpr int kBinCount = kLumaLevels * kBinLevels * kBinLevels;
-inline constexpr int kFineChroma = 4, kCoarseChroma = 28;  ///< the fine levels, from, to before
+inline constexpr int kFineChroma = 4;  ///< the first of the fine levels
 
 /// Bin of luma and chromas times 256. In 16 bits throughout: a vector holds twice as many.
 constexpr ColorBin color_bin(std::uint16_t luma256, std::int16_t yellowness256,

@@ -57,9 +57,6 @@ constexpr double kWhile_s = 0.3;
 // turned away or blurred cannot be told from a fist (clips of webcams: 790 instead of 810 of 974
 // open frames right, at no least).
 constexpr double kLeastUsual = 18;
-// A fist leads whose outline explains the picture better than the open hand's by so much; a four
-// need only explain it better.
-constexpr double kFistBetter = 5;
 // It must explain about as much itself as what is no hand, little of whose outline is told from
 // inside: with less, fingers that open again would pull the palm with them.
 constexpr double kLeastFist = -0.5;
@@ -114,7 +111,7 @@ void Gestures::carry(Gesture posture, double dt_s) noexcept {
 
 void Gestures::go_on(double dt_s) noexcept {
   HandState& state = hand_.alignment.state;
-  state.T_camera_hand = state.pose_after(dt_s);
+  state.T_camera_hand = state.pose_after(std::min(dt_s, kLongest_s));
 }
 
 void Gestures::open() noexcept {
@@ -134,7 +131,7 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& p
                    const TrackerConfig& config, Aligner& aligner) noexcept {
   for (int i = 0; i < kPostures; ++i) {
     HandState expected = hand_.alignment.state;
-    expected.T_camera_hand = expected.pose_after(dt_s);
+    expected.T_camera_hand = expected.pose_after(std::min(dt_s, kLongest_s));
     expected.posture = kFingers[i];
     expected.T_camera_hand.translate(Eigen::Vector3d(0, -kLower_m[i], 0));
     HandPrior prior = prior_around(expected, person, dt_s, config);
@@ -142,12 +139,13 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& p
     const auto expect = [&](int at, int count, double sigma) {
       prior.information.diagonal().segment(at, count).setConstant(1 / (sigma * sigma));
     };
+    prior.information.block<kFingerCount, kFingerCount>(kAbductionAt, kAbductionAt).setZero();
     expect(0, 3, kTurn_rad);
     expect(3, 3, kMove_m);
     expect(kAbductionAt, 2 * kFingerCount, kFinger_rad);
     const bool follows = folded() && leader_ == static_cast<Gesture>(i);
-    laid_[i] =
-        aligner.align(frame, camera, hand_.appearance, expected, prior, follows ? kNear_m : kFar_m);
+    laid_[i] = aligner.align(frame, camera, hand_.appearance, expected, prior,
+                             follows ? kNearSteps : kFarSteps);
     if (!laid_[i].valid) laid_[i].log_ratio = -std::numeric_limits<double>::infinity();
   }
 }
@@ -164,7 +162,8 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   double outstretched = ratio(Gesture::open);
   if (tracked && tracked->alignment.log_ratio > config.belief.seen)
     outstretched = std::max(outstretched, tracked->alignment.log_ratio);
-  if (ratio(Gesture::fist) > std::max(kLeastFist, outstretched + kFistBetter) &&
+  // Better by as much as tells a hand from none; a four need only explain the picture better.
+  if (ratio(Gesture::fist) > std::max(kLeastFist, outstretched + config.belief.seen) &&
       is_fist(shares(laid(Gesture::fist).state, frame, camera, aligner)))
     return Gesture::fist;
   if (ratio(Gesture::four) > std::max(config.belief.seen, outstretched) &&

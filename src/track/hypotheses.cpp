@@ -13,9 +13,12 @@ namespace {
 
 // A new hand's colours are taken ever nearer to its outline while the figure settles on it, roughly
 // from each start, then finely from where these ended: so much is left out on both sides.
-constexpr std::array<double, 2> kRoughly_m{0.006, 0.004}, kFinely_m{0.003, 0.002};
-// How far off the outline may be then, and how far it may stay while it is rough, in margins.
-constexpr double kReach = 3.5, kStay = 2.5;
+struct Settling {
+  double margin_m;
+  Steps steps;
+};
+constexpr std::array<Settling, 2> kRoughly{{{0.006, {4, 3}}, {0.004, {3, 2}}}},
+    kFinely{{{0.003, {2, 1}}, {0.002, {2, 1}}}};
 // Whether a hand is small or its fingers are close together is told badly, and a figure that has
 // settled in a wrong size stays in it: it begins with its fingers apart and almost side by side.
 constexpr std::array<double, 2> kClosed{0, 0.7};
@@ -110,18 +113,17 @@ struct Beginning {
     return prior_around(expected, person, kLongAgo_s, config);
   }
 
-  void align(Hypothesis& h, const HandPrior& prior, double reach_m, double left_m) noexcept {
+  void align(Hypothesis& h, const HandPrior& prior, Steps steps) noexcept {
     const HandState from = h.alignment.state;
-    h.alignment = aligner.align(frame, camera, h.appearance, from, prior, reach_m, left_m);
+    h.alignment = aligner.align(frame, camera, h.appearance, from, prior, steps);
     h.log_weight = share_of(kLongest_s, config) * h.alignment.log_posterior;
   }
 
   /// Takes the colours that the hypothesis expects, and lays it on what they tell, ever nearer.
-  void settle(Hypothesis& h, const HandPrior& prior, std::span<const double> margins_m,
-              double stay) noexcept {
-    for (const double margin_m : margins_m) {
-      aligner.learn(frame, camera, h.appearance, h.alignment.state, 0, margin_m);
-      align(h, prior, kReach * margin_m, stay * margin_m);
+  void settle(Hypothesis& h, const HandPrior& prior, std::span<const Settling> how) noexcept {
+    for (const Settling& s : how) {
+      aligner.learn(frame, camera, h.appearance, h.alignment.state, 0, s.margin_m);
+      align(h, prior, s.steps);
       if (!h.alignment.valid) return;
     }
   }
@@ -154,7 +156,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
                                        config.motion.rotation_sigma_rad);
       HandPrior prior = beginning.prior_at(state.T_camera_hand);
       prior.fingers = fingers;
-      beginning.settle(h, prior, kRoughly_m, kStay);
+      beginning.settle(h, prior, kRoughly);
       rough.keep_distinct(h);
     }
     rough.sort_and_prune(config.belief);
@@ -163,17 +165,17 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     for (Hypothesis& h : std::span(rough.items_.data(), rough.count_)) {
       h.leads = false;
       const HandPrior prior = beginning.prior_at(h.alignment.state.T_camera_hand);
-      beginning.settle(h, prior, kFinely_m, 0);
+      beginning.settle(h, prior, kFinely);
       keep_distinct(h);
       if (!h.alignment.valid) continue;
       h.alignment.state.T_camera_hand = other_planar_solution(h.alignment.state.T_camera_hand);
-      beginning.align(h, prior, kFar_m, 0);
+      beginning.align(h, prior, kFarSteps);
       keep_distinct(h);
     }
   }
   expect(&candidate, camera, 1, config.belief);
   sort_and_prune(config.belief);
-  return count_ > 0;
+  return count_ > 0;  // with the colours of the way that was tried last, which do as well
 }
 
 bool Hypotheses::lay_anew(const ImageView& frame, const Camera& camera, const TrackerConfig& config,
@@ -185,8 +187,8 @@ bool Hypotheses::lay_anew(const ImageView& frame, const Camera& camera, const Tr
     Beginning beginning{frame, camera, h.person, config, aligner};
     const HandPrior prior =
         prior_around(h.alignment.state, h.person, kLongest_s, config, h.liveliness);
-    beginning.settle(h, prior, kRoughly_m, kStay);
-    beginning.settle(h, prior, kFinely_m, 0);
+    beginning.settle(h, prior, kRoughly);
+    beginning.settle(h, prior, kFinely);
     h.log_weight += before;
   }
   keep_likely(config.belief);
@@ -241,16 +243,18 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     Hypothesis& h = items_[i];
     const HandState before = h.alignment.state;
     HandState expected = before;
-    expected.T_camera_hand = before.pose_after(dt_s);
-    const auto lay = [&](double reach_m) {
+    expected.T_camera_hand = before.pose_after(std::min(dt_s, kLongest_s));
+    const auto laid = [&](Steps steps) {
       HandPrior prior = prior_around(expected, h.person, dt_s, config, h.liveliness);
       if (h.fingers) prior.fingers = h.fingers->in_frame(expected.T_camera_hand, camera);
-      h.alignment = aligner.align(frame, camera, h.appearance, expected, prior, reach_m);
+      return aligner.align(frame, camera, h.appearance, expected, prior, steps);
     };
-    lay(kNear_m);
+    h.alignment = laid(kNearSteps);
     if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen) {
       h.liveliness = 1;  // what does not lie there any more may have moved its fingers
-      lay(kFar_m);
+      const Alignment far = laid(kFarSteps);
+      if (!h.alignment.valid || (far.valid && far.log_posterior > h.alignment.log_posterior))
+        h.alignment = far;
     }
     if (!h.alignment.valid) continue;
     HandState& now = h.alignment.state;
@@ -284,7 +288,7 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera,
   alternative.liveliness = now.liveliness;  // judged alike
   alternative.alignment =
       aligner.align(frame, camera, appearance, start,
-                    prior_around(start, now.person, kLongAgo_s, config, now.liveliness), kFar_m);
+                    prior_around(start, now.person, kLongAgo_s, config, now.liveliness), kFarSteps);
   alternative.log_weight = now.log_weight - config.belief.most_frame;
   keep_distinct(alternative);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -34,6 +35,11 @@ class Hypotheses {
 
   int size() const { return count_; }
   const Hypothesis& best() const { return items_[0]; }
+  /// Whether any is of that hand of a person.
+  bool may_be(Side side) const noexcept {
+    return std::any_of(items_.begin(), items_.begin() + count_,
+                       [&](const Hypothesis& h) { return side_of(h.appearance) == side; });
+  }
   void clear() { count_ = 0; }
   /// A hand that is seen in one way alone.
   void resume(const Hypothesis& hypothesis) noexcept;
@@ -86,11 +92,8 @@ class Hypotheses {
   double since_reconsidered_s_ = 0;
 };
 
-/// How far the outline may be off where a hand is expected, and how far when nothing much is found
-/// there or it has only just been seen.
-constexpr double kNear_m = 0.009, kFar_m = 0.021;
-
-/// No frame stands for longer than this.
+/// What a frame says of a hand counts for no longer than this, nor does a hand go on for longer as
+/// it went.
 constexpr double kLongest_s = 0.1;
 
 }  // namespace handyar

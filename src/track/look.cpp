@@ -48,8 +48,8 @@ double HandTracker::Impl::verdict() const noexcept {
   return config.belief.give_up();  // unseen, or read otherwise: too tilted, or half hidden
 }
 
-void HandTracker::Impl::find(const ImageView& frame, bool only_there) noexcept {
-  if (only_there) {
+void HandTracker::Impl::find(const ImageView& frame) noexcept {
+  if (has_hand()) {
     constexpr float kReaches = 3.9f;
     const HandPlace now = followed();
     candidates = finder.look(frame, now.region(kReaches * now.reach_px()));
@@ -67,7 +67,7 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
   const double since_s = seen.time_s - seen.looked_s;
   if ((sure && since_s < limits.same_s) || (!had && !may_search())) return;
   seen.looked_s = seen.time_s;
-  find(frame, had);
+  find(frame);
   if (had) {
     const double share = std::min(1.0, since_s / limits.same_s);
     seen.belief += share * std::clamp(verdict(), -limits.most_frame, limits.most_frame);
@@ -116,9 +116,9 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     seen.read_otherwise = false;
     seen.lately = 0;
     seen.filter.reset();
-    // Where a hand was a moment ago there is likelier one than in any picture.
-    const bool comes_back = seen.state == State::lost && candidate.layout == seen.own_layout;
-    seen.own_layout = candidate.layout;
+    // Where a hand was a moment ago the same one is likelier than any in any picture.
+    const bool comes_back = seen.state == State::lost && fresh.may_be(side_of(seen.own));
+    seen.own = fresh.best().appearance;
     if (seen.state == State::tracking) seen.changed_s = seen.time_s;
     if (reading == Reading::elsewhere)
       seen.belief = candidate.log_odds + (comes_back ? config.belief.believe : 0);

@@ -8,7 +8,7 @@
 namespace handyar {
 
 /// When a hand is believed. What a frame shows adds to the belief, its log odds of hand against no
-/// hand, by the time it stands for; older frames fade.
+/// hand, by the time it stands for.
 struct BeliefConfig {
   double believe = 2.0;     ///< log odds from which on a hand is tracked; lost below minus that
   double most_frame = 4.0;  ///< no frame says more, either way, and no hand is believed more than
@@ -42,8 +42,8 @@ struct MotionConfig {
 /// How fast what is seen is learned.
 struct LearningConfig {
   double colors_s = 0.15;  ///< colours on both sides of the outline fade this fast
-  /// Of the time that a hand has been seen, a second at least: counts as one independent view of
-  /// its figure. Views come back, and the figure's errors with them.
+  /// Of the time that a hand has been seen counts as one independent view of its figure, same_s at
+  /// least. Views come back, and the figure's errors with them.
   double view_share = 0.2;
   double texture_s = 1.0;  ///< the look of the palm's skin fades this fast
 };

@@ -51,6 +51,7 @@ void HandTracker::Impl::reset() noexcept {
           .filter = PoseFilter(config.filter)};
   aligner.forget();
   scout.forget();
+  finder.reset();
   candidates = {};
   evidence = {};
   learned_hand = hand;
@@ -170,11 +171,10 @@ void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
   aligner.learn(frame, camera, best.appearance, best.alignment.state, static_cast<float>(keep),
                 kMargin_m);
   if (seen.state == State::tracking) {
-    constexpr double kFirst_s = 1.0;
     const double stands_for_s = std::min(dt_s, kLongest_s);
     seen.learned_s += stands_for_s;
     const double views =
-        stands_for_s / (config.learning.view_share * std::max(kFirst_s, seen.learned_s));
+        stands_for_s / std::max(config.belief.same_s, config.learning.view_share * seen.learned_s);
     aligner.learn_texture(frame, camera, best.appearance, best.alignment,
                           std::min(dt_s / config.learning.texture_s, 1.0), views);
     seen.hypotheses.learn_person(views, config);

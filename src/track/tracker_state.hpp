@@ -36,9 +36,9 @@ struct TrackerState {
   double learned_s = 0;  ///< for how long the person's figure has been learned
   PoseFilter filter;
   Layout filtered_layout = Layout::thumb_right;  ///< of the hand frame that the filter follows
-  /// Of two hands: by which this one is told from the other, and whether they met and have not been
-  /// seen apart since.
-  Layout own_layout = Layout::thumb_right;
+  /// By which this hand is told from another, and whether the two that share a view met and have
+  /// not been seen apart since.
+  Appearance own{};
   bool met = false;
 };
 
@@ -74,7 +74,7 @@ struct HandTracker::Impl {
   /// What a figure says of there being an open hand, log odds; one that lacks a part speaks against
   /// it as loudly as a frame can.
   double evidence_of(const Alignment& alignment, bool whole) const noexcept;
-  void find(const ImageView& frame, bool only_there) noexcept;
+  void find(const ImageView& frame) noexcept;
   void begin(const ImageView& frame) noexcept;
 
   /// Shares the view with one other tracker, or with none.

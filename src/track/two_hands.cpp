@@ -41,32 +41,32 @@ bool HandTracker::Impl::is_for_other(const HandCandidate& candidate,
                                      Reading reading) const noexcept {
   if (other == nullptr || other->holds_hand()) return false;
   if (holds_hand()) return reading == Reading::elsewhere || other->has_followed();
-  return other->has_followed() && candidate.layout == other->seen.own_layout &&
-         candidate.layout != seen.own_layout;
+  return other->has_followed() && candidate.layout == other->seen.own.layout &&
+         candidate.layout != seen.own.layout;
 }
 
 void HandTracker::Impl::tell_from_other() noexcept {
-  if (other == nullptr || !has_hand()) return;
-  if (other->has_hand()) {
+  if (!has_hand()) return;
+  if (other != nullptr && other->has_hand()) {
     const HandPlace its = other->followed();
     seen.met = (followed().palm_px - its.palm_px).norm() < its.reach_px();
-  } else if (!other->has_followed()) {
+  } else if (other == nullptr || !other->has_followed()) {
     seen.met = false;
   }
-  if (!seen.met) seen.own_layout = seen.hypotheses.best().appearance.layout;
+  if (!seen.met) seen.own = seen.hypotheses.best().appearance;
 }
 
 bool HandTracker::Impl::follows_hand_of_other() const noexcept {
   if (other == nullptr || !has_hand()) return false;
   const Layout layout = seen.hypotheses.best().appearance.layout;
-  if (seen.met && layout != seen.own_layout && layout == other->seen.own_layout) return true;
+  if (seen.met && layout != seen.own.layout && layout == other->seen.own.layout) return true;
   if (!other->has_hand()) return false;
   return followed().same_tips(other->followed()) && seen.belief < other->seen.belief;
 }
 
 bool HandTracker::Impl::may_search() const noexcept {
   if (other == nullptr) return true;
-  if (other->in_view() == nullptr) return leads;
+  if (other->in_view() == nullptr) return leads || seen.state == State::lost;
   return seen.state == State::lost || seen.time_s - seen.looked_s >= config.belief.same_s;
 }
 

@@ -59,6 +59,9 @@ struct Appearance {
   Layout layout = Layout::thumb_right;
 };
 
+/// Which hand of a person shows it.
+constexpr Side side_of(Appearance a) noexcept { return side_of(a.face, a.layout); }
+
 /// The figure that a state has in one of its appearances, its fingers as they are held.
 PosedFigure posed_figure(Appearance appearance, const HandState& state) noexcept;
 
@@ -70,6 +73,13 @@ struct OutlinePoint {
   float log_ratio = 0;    ///< for a boundary here against one anywhere near, nats
   std::uint8_t part = 0;  ///< finger, or kFingerCount for the palm
 };
+
+/// The first and the last steps of an alignment, by how coarse the lines across the outline are:
+/// they reach 5 mm to each side at 1, 21 mm at 4.
+struct Steps {
+  int coarsest = 4, finest = 1;
+};
+inline constexpr Steps kFarSteps{4, 1}, kNearSteps{2, 1};
 
 struct AlignConfig {
   double spacing_m = 0.006;  ///< between places on the outline; closer: little gained, slower
@@ -115,11 +125,10 @@ class Aligner {
   /// Forgets the colours.
   void forget() noexcept;
 
-  /// Steps from coarse to fine from `start` on, whose outline is off by about `reach_m` at most,
-  /// and ends where lines would reach less than `left_m`.
+  /// Steps from coarse to fine from `start` on, whose outline is off by no more than the coarsest
+  /// lines reach.
   Alignment align(const ImageView& frame, const Camera& camera, Appearance appearance,
-                  const HandState& start, const HandPrior& prior, double reach_m,
-                  double left_m = 0) noexcept;
+                  const HandState& start, const HandPrior& prior, Steps steps) noexcept;
 
   /// Takes colours from both sides of the outline of a state; older ones fade to `keep`. `margin_m`
   /// on both sides of the outline is left out. Where the colours so far tell of a boundary

@@ -58,7 +58,7 @@ PosedFigure pose_fingers(const HandFigure& figure, const Posture& posture) noexc
 inline constexpr std::array<double, kFingerCount> kClosing_rad{-0.6, -0.27, 0, 0.23, 0.54};
 
 /// How lively fingers stray from rest, standard deviations: a finger's turn and bend, the thumb's,
-/// which moves twice as far, and how far all close together, 1 is side by side.
+/// which moves farther, and how far all close together, 1 is side by side.
 inline constexpr double kFingerSigma_rad = 0.08, kThumbSigma_rad = 0.2, kClosingSigma = 0.25;
 
 /// Covariance of the five abductions by all of these.
