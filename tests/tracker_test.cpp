@@ -221,6 +221,20 @@ TEST(Tracker, AFingertipHiddenForAWhileKeepsThePose) {
   }
 }
 
+TEST(Tracker, TheOutlineThatIsToldIsThatOfTheHandThatIsTold) {
+  Film film;
+  ASSERT_LT(film.until(State::tracking, 0.5), 0.5);
+  double share = 0;
+  for (int i = 0; i < 75; ++i) {  // what was given up is laid anew meanwhile
+    film.next();
+    const FrameEvidence& told = film.tracker.evidence();
+    double sum = 0;
+    for (const OutlinePoint& p : told.outline) sum += p.log_ratio;
+    if (i == 0) share = told.log_ratio / sum;
+    EXPECT_NEAR(told.log_ratio, share * sum, 1e-3 * told.log_ratio) << i;
+  }
+}
+
 TEST(Tracker, AHandThatStopsWhileTheCameraPausesIsFollowedFromWhereItIs) {
   Film film;
   const double speed_m_s = 0.2;

@@ -264,16 +264,14 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     h.log_weight += share * h.alignment.log_posterior;
   }
   keep_likely(config.belief);
-  since_reconsidered_s_ += dt_s;
-  if (since_reconsidered_s_ > kReconsider_s) {
-    since_reconsidered_s_ = 0;
-    reconsider(frame, camera, config, aligner);
-  }
   return count_ > 0;
 }
 
-void Hypotheses::reconsider(const ImageView& frame, const Camera& camera,
+void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, double dt_s,
                             const TrackerConfig& config, Aligner& aligner) noexcept {
+  since_reconsidered_s_ += dt_s;
+  if (since_reconsidered_s_ <= kReconsider_s) return;
+  since_reconsidered_s_ = 0;
   if (count_ != 1) return;
   const Hypothesis& now = items_[0];
   Appearance appearance = now.appearance;

@@ -63,6 +63,12 @@ class Hypotheses {
   bool follow(const ImageView& frame, const Camera& camera, double dt_s,
               const TrackerConfig& config, Aligner& aligner) noexcept;
 
+  /// Thinks again, now and then, of the other face, where nobody told which it is, in the other
+  /// planar solution: colours and figure are better known than when they were given up, and hands
+  /// turn over.
+  void reconsider(const ImageView& frame, const Camera& camera, double dt_s,
+                  const TrackerConfig& config, Aligner& aligner) noexcept;
+
   /// How far the others lie from the best, each by its probability (second moment of the pose
   /// about it): what not knowing which of them is right adds to its covariance.
   Matrix6d spread() const noexcept;
@@ -74,10 +80,6 @@ class Hypotheses {
   /// A hand near its edge may turn through it or back, and looks the same for a while.
   void consider_edge(const MotionConfig& motion) noexcept;
 
-  /// Thinks again of the other face, where nobody told which it is, in the other planar solution:
-  /// colours and figure are better known than when they were given up, and hands turn over.
-  void reconsider(const ImageView& frame, const Camera& camera, const TrackerConfig& config,
-                  Aligner& aligner) noexcept;
   /// Those that have come to the same become one; then sorts and prunes.
   void keep_likely(const BeliefConfig& belief) noexcept;
   /// Adds a way to see the hand, in the place of one that is nearly the same or of the least likely

@@ -112,6 +112,7 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     seen.hypotheses = fresh;
     seen.whole = whole;
     std::swap(aligner, scout);
+    keep_outline();
     if (same) return;
     seen.read_otherwise = false;
     seen.lately = 0;

@@ -41,7 +41,7 @@ void HandTracker::Impl::report(TrackResult& result) noexcept {
   if (seen.hypotheses.size() == 0) return;
   const Hypothesis& best = seen.hypotheses.best();
   const HandState& state = best.alignment.state;
-  evidence.outline = aligner.outline();
+  evidence.outline = outline;
   evidence.log_ratio = best.alignment.log_ratio;
   const PosedFigure posed = posed_figure(best.appearance, state);
   for (int f = 0; f < kFingerCount; ++f)

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "align/silhouette.hpp"
+
 namespace handyar {
 namespace {
 
@@ -42,7 +44,9 @@ HandTracker::Impl::Impl(const Camera& c, const HandModel& h, const Config& cfg)
            .gestures = {},
            .person = Person(estimate_figure(h)),
            .filter = PoseFilter(config.filter)},
-      learned_hand(h) {}
+      learned_hand(h) {
+  outline.reserve(Silhouette::kMaxAnchors);
+}
 
 void HandTracker::Impl::reset() noexcept {
   seen = {.hypotheses = {},
@@ -71,11 +75,18 @@ FrameStatus HandTracker::Impl::admit(const ImageView& frame, double time_s) noex
 }
 
 void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
-  if (!seen.hypotheses.follow(frame, camera, dt_s, config, aligner) || follows_hand_of_other())
-    seen.hypotheses.clear();
+  const bool can_be_seen = seen.hypotheses.follow(frame, camera, dt_s, config, aligner);
+  keep_outline();
+  seen.hypotheses.reconsider(frame, camera, dt_s, config, aligner);
+  if (!can_be_seen || follows_hand_of_other()) seen.hypotheses.clear();
   tell_from_other();
   if (!has_hand()) return;
   seen.whole = is_whole(seen.hypotheses.best(), frame, aligner);
+}
+
+void HandTracker::Impl::keep_outline() noexcept {
+  const std::span<const OutlinePoint> its = aligner.outline();
+  outline.assign(its.begin(), its.end());
 }
 
 bool HandTracker::Impl::is_whole(const Hypothesis& its, const ImageView& frame,

@@ -57,6 +57,8 @@ struct HandTracker::Impl {
   void learn(const ImageView& frame, double dt_s) noexcept;
   void report(TrackResult& result) noexcept;
   HandMask draw_mask() noexcept;
+  /// Of the hand as it was laid last, before others are.
+  void keep_outline() noexcept;
   /// The hand as this frame shows it, open or folded; null where there is none.
   const Hypothesis* in_view() const noexcept;
   void reset() noexcept;
@@ -111,6 +113,7 @@ struct HandTracker::Impl {
   // Of the last frame, for those who ask.
   std::span<const HandCandidate> candidates;
   FrameEvidence evidence;
+  std::vector<OutlinePoint> outline;
   HandModel learned_hand;
   std::vector<std::uint8_t> mask;
 };
