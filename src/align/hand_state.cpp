@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 #include "handyar/stages/align.hpp"
 #include "pose/so3.hpp"
@@ -7,9 +8,10 @@
 namespace handyar {
 
 Eigen::Isometry3d HandState::pose_after(double dt_s) const noexcept {
+  const double goes_on_s = std::min(dt_s, kLongest_s);
   Eigen::Isometry3d T = T_camera_hand;
-  T.linear() = so3::exp(dt_s * velocity.head<3>()).toRotationMatrix() * T.linear();
-  T.translation() += dt_s * velocity.tail<3>();
+  T.linear() = so3::exp(goes_on_s * velocity.head<3>()).toRotationMatrix() * T.linear();
+  T.translation() += goes_on_s * velocity.tail<3>();
   return T;
 }
 

@@ -56,7 +56,7 @@ class PalmTexture {
   Field texture_{};                   ///< luma over that of the surroundings
   std::array<Field, 3> surface_m_{};  ///< the grid on the figure's palm, hand frame
   Eigen::Isometry3d T_hand_grid_ = Eigen::Isometry3d::Identity();
-  Matrix6d information_ = Matrix6d::Zero();  ///< of T_hand_grid_, about the grid's origin in the hand's axes
+  Matrix6d information_ = Matrix6d::Zero();  ///< of T_hand_grid_, grid's origin, hand's axes
 };
 
 }  // namespace handyar

@@ -111,7 +111,7 @@ void Gestures::carry(Gesture posture, double dt_s) noexcept {
 
 void Gestures::go_on(double dt_s) noexcept {
   HandState& state = hand_.alignment.state;
-  state.T_camera_hand = state.pose_after(std::min(dt_s, kLongest_s));
+  state.T_camera_hand = state.pose_after(dt_s);
 }
 
 void Gestures::open() noexcept {
@@ -131,7 +131,7 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& p
                    const TrackerConfig& config, Aligner& aligner) noexcept {
   for (int i = 0; i < kPostures; ++i) {
     HandState expected = hand_.alignment.state;
-    expected.T_camera_hand = expected.pose_after(std::min(dt_s, kLongest_s));
+    expected.T_camera_hand = expected.pose_after(dt_s);
     expected.posture = kFingers[i];
     expected.T_camera_hand.translate(Eigen::Vector3d(0, -kLower_m[i], 0));
     HandPrior prior = prior_around(expected, person, dt_s, config);

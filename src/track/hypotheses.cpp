@@ -243,7 +243,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     Hypothesis& h = items_[i];
     const HandState before = h.alignment.state;
     HandState expected = before;
-    expected.T_camera_hand = before.pose_after(std::min(dt_s, kLongest_s));
+    expected.T_camera_hand = before.pose_after(dt_s);
     const auto laid = [&](Steps steps) {
       HandPrior prior = prior_around(expected, h.person, dt_s, config, h.liveliness);
       if (h.fingers) prior.fingers = h.fingers->in_frame(expected.T_camera_hand, camera);

@@ -94,8 +94,4 @@ class Hypotheses {
   double since_reconsidered_s_ = 0;
 };
 
-/// What a frame says of a hand counts for no longer than this, nor does a hand go on for longer as
-/// it went.
-constexpr double kLongest_s = 0.1;
-
 }  // namespace handyar

@@ -24,6 +24,10 @@ inline constexpr int kAbductionAt = 6, kFlexionAt = 11, kBoundaryAt = 16, kFigur
 using HandVector = Eigen::Matrix<double, kHandFreedoms, 1>;
 using HandMatrix = Eigen::Matrix<double, kHandFreedoms, kHandFreedoms>;
 
+/// What a frame says of a hand counts for no longer than this, nor does a hand go on for longer as
+/// it went.
+inline constexpr double kLongest_s = 0.1;
+
 struct HandState {
   Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
   Posture posture;
@@ -33,7 +37,7 @@ struct HandState {
   /// where the hand was when other rows than the middle one were read, and will be.
   Eigen::Matrix<double, 6, 1> velocity = Eigen::Matrix<double, 6, 1>::Zero();
 
-  /// The pose so much later.
+  /// The pose so much later; it goes on as it went for kLongest_s at most.
   Eigen::Isometry3d pose_after(double dt_s) const noexcept;
 
   void correct(const HandVector& step) noexcept;
