@@ -3,6 +3,8 @@ import { predictPose } from './pose.js';
 
 const MOST_PREDICTED_s = 0.25;  // as the tracker itself
 
+const stopped = () => new Error('the tracker was stopped');
+
 /**
  * Tracks the hand in a playing video, in a worker. Always the newest picture, never a queue: what
  * comes in while the worker is busy is left out, all but the last.
@@ -48,7 +50,7 @@ export class LiveTracker {
     this.#stopped = true;
     this.#video.cancelVideoFrameCallback(this.#callback);
     this.#worker.terminate();
-    this.#fail(new Error('the tracker was stopped'));
+    this.#fail(stopped());
   }
 
   /** The pose expected at `time_s` (as performance.now() / 1000), or null without a hand. */
@@ -103,6 +105,7 @@ export class LiveTracker {
   }
 
   #ask(ask, message = {}, transfer = []) {
+    if (this.#stopped) return Promise.reject(stopped());
     const id = ++this.#asked;
     this.#worker.postMessage({ ask, id, ...message }, transfer);
     return new Promise((resolve, reject) => this.#waiting.set(id, { resolve, reject }));
