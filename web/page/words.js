@@ -27,10 +27,10 @@ export class Teller {
   #hand_s = null;  // when there was a hand last; at first, when looking began
 
   /** `video`: a recorded one, which has the rate that it has. */
-  say({ time_s, state, doubtful }, video) {
+  say({ time_s, state, doubtful, held_pose }, video) {
     this.#times_s = this.#times_s.filter((t) => t > time_s - WINDOW_s).concat(time_s);
     this.#hand_s ??= time_s;
-    if (state === 'tracking') {
+    if (state === 'tracking' || held_pose) {  // held: it is there, with folded fingers
       this.#hand_s = time_s;
       if (doubtful) return 'Show the open hand again.';
       return video ? '' : this.#sayRate(time_s);

@@ -25,6 +25,13 @@ test('of a hand that is tracked nothing is said, but where it is doubtful', () =
   assert.match(last(teller, 11.1, 15, 30), /^Hold up an open hand/);  // it was there four seconds ago
 });
 
+test('of a hand that has closed nothing is said either', () => {
+  const teller = new Teller();
+  const closed = { state: 'lost', held_pose: { time_s: 0 } };
+  assert.equal(last(teller, 0, 10, 30, closed), '');
+  assert.match(last(teller, 10.1, 11, 30, { state: 'lost', held_pose: null }), /^Hold up an open hand/);
+});
+
 test('few pictures are told of, with their rate, but not of a recording', () => {
   assert.match(last(new Teller(), 0, 5, 8, { state: 'tracking' }), /^Only 8 pictures a second come in/);
   assert.equal(last(new Teller(), 0, 5, 8, { state: 'tracking' }, true), '');
