@@ -76,12 +76,13 @@ def read_poses(path: Union[str, "os.PathLike[str]"]) -> Poses:
     try:
         with open(path, newline="", encoding="utf-8") as file:
             reader = csv.DictReader(file)
+            header = reader.fieldnames or ()
             rows = list(reader)
     except (OSError, UnicodeDecodeError, csv.Error) as fault:
         raise Error(f"{os.fspath(path)}: cannot be read: {fault}") from fault
 
     def texts(column: str) -> Any:
-        if column not in (reader.fieldnames or ()):
+        if column not in header:
             raise Error(f"{os.fspath(path)}: not a pose file: there is no column {column}")
         return np.array([row[column] or "" for row in rows], dtype=np.str_)
 

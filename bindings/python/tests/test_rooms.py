@@ -67,9 +67,10 @@ def test_an_exception_leaves_no_pose_file(tracked, tmp_path):
 
 def test_what_is_no_pose_file_is_told(tmp_path):
     path = tmp_path / "poses.csv"
-    path.write_text("a,b\n1,2\n")
-    with pytest.raises(handyar.io.Error, match="poses.csv: not a pose file"):
-        handyar.io.read_poses(path)
+    for text in ("a,b\n1,2\n", ""):
+        path.write_text(text)
+        with pytest.raises(handyar.io.Error, match="poses.csv: not a pose file"):
+            handyar.io.read_poses(path)
 
 
 def test_drawing_marks_the_picture_where_the_hand_is(clip, tracked):
