@@ -55,6 +55,10 @@ class Poses:
     """'searching', 'acquiring', 'tracking' or 'lost', shape (n,)."""
     layout: NDArray[np.str_]
     """'thumb_right', 'thumb_left' or '', shape (n,)."""
+    face: NDArray[np.str_]
+    """'palm', 'back' or '', shape (n,)."""
+    hand: NDArray[np.int64]
+    """1; of two hands 1 or 2, and each frame has a row of either, shape (n,)."""
     doubtful: NDArray[np.bool_]
     """Whether the pose is not to be relied on, shape (n,)."""
     tips: NDArray[np.float64]
@@ -103,6 +107,8 @@ def read_poses(path: Union[str, "os.PathLike[str]"]) -> Poses:
         time_s=numbers("time_s")[:, 0],
         state=texts("state"),
         layout=texts("layout"),
+        face=texts("face"),
+        hand=numbers("hand")[:, 0].astype(np.int64),
         doubtful=numbers("doubtful")[:, 0] == 1,
         tips=numbers(*(f"{finger}_{axis}" for finger in FINGERS for axis in "xy")).reshape(-1, 5, 2),
         pose=transforms(""),

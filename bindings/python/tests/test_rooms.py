@@ -46,12 +46,24 @@ def test_pose_files_hold_the_results(clip, tracked, tmp_path):
     poses = handyar.io.read_poses(path)
     assert len(poses.frame) == len(clip.frames) and poses.pose.shape == (len(clip.frames), 4, 4)
     assert list(poses.state) == [r.state for r in tracked.results]
+    assert list(poses.face) == [r.face or "" for r in tracked.results]
+    assert (poses.hand == 1).all()
     for i, r in enumerate(tracked.results):
         assert np.isnan(poses.pose[i]).all() == (r.pose is None)
     np.testing.assert_allclose(poses.pose[-1], tracked.result.pose, atol=1e-6)
     np.testing.assert_allclose(poses.raw_pose[-1], tracked.result.raw_pose, atol=1e-6)
     np.testing.assert_allclose(poses.tips[-1], tracked.result.tips, atol=1e-3)
     assert poses.sigma_rotation_rad[-1] == pytest.approx(tracked.result.sigma_rotation_rad, abs=1e-8)
+
+
+def test_pose_files_of_two_hands_tell_which_row_is_whose(tmp_path):
+    path = tmp_path / "poses.csv"
+    clip = Path(__file__).parents[3] / "data/gesture/video.mp4"
+    assert run("track", str(clip), "--hands", "2", "--poses", str(path)).returncode == 0
+    poses = handyar.io.read_poses(path)
+    assert list(poses.frame[:4]) == [0, 0, 1, 1] and list(poses.hand[:4]) == [1, 2, 1, 2]
+    tracked = poses.state == "tracking"
+    assert tracked[poses.hand == 1].sum() > 50 and not tracked[poses.hand == 2].any()
 
 
 def test_an_exception_leaves_no_pose_file(tracked, tmp_path):
