@@ -25,8 +25,15 @@ export function readCamera(text, name = 'camera.yml') {
     if (!count.includes(list.length)) fail(`${key} has ${list.length} numbers`);
     return list;
   };
-  const width_px = number('image_width'), height_px = number('image_height');
+  const size = (key) => {
+    const px = number(key);
+    return Number.isInteger(px) && px > 0 ? px : fail(`${key} is not a whole number above 0`);
+  };
+  const width_px = size('image_width'), height_px = size('image_height');
   const K = numbers('camera_matrix', [9]);
+  const model = /^distortion_model[ \t]*:[ \t]*["']?([^\s"']*)/m.exec(text)?.[1] || 'plumb_bob';
+  if (model !== 'plumb_bob' && model !== 'rational_polynomial')
+    fail(`distortion_model ${model} is not supported, only plumb_bob`);
   const distortion = numbers('distortion_coefficients', [4, 5, 8]);
   if (distortion.slice(5).some((k) => k !== 0)) fail('distortion_coefficients: only five may be in use');
   const camera = {
