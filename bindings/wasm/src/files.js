@@ -5,6 +5,7 @@
 const FINGERS = ['thumb', 'index', 'middle', 'ring', 'little'];
 const SOURCES = ['checkerboard', 'default', 'self', 'truth'];
 const FIGURE_MODES = 12;
+const MOST_THICKNESS_m = 0.1;
 
 const isFinite = (x) => Number.isFinite(x);
 const isPoint = (p) => Array.isArray(p) && p.length === 3 && p.every(isFinite);
@@ -69,8 +70,14 @@ export function readHand(text, name = 'hand.json') {
   if ((thumb[0] > little[0]) !== (hand.layout === 'thumb_right'))
     fail(`layout is ${hand.layout}, but the thumb is on the other side`);
   if (hand.tips_sigma_m)
-    for (const finger of FINGERS)
+    for (const finger of FINGERS) {
       if (!isPoint(hand.tips_sigma_m[finger])) fail(`tips_sigma_m: ${finger} is not [x, y, z]`);
+      if (hand.tips_sigma_m[finger].some((sigma) => sigma < 0)) fail('tips_sigma_m: a deviation is negative');
+    }
+  if (![undefined, 'measured', 'average'].includes(hand.scale)) fail('scale is neither measured nor average');
+  const thickness_m = hand.thickness_m ?? 0;
+  if (!(isFinite(thickness_m) && thickness_m >= 0 && thickness_m <= MOST_THICKNESS_m))
+    fail('thickness_m is not a number from 0 to 0.1');
   if (hand.figure) {
     const isRow = (row) => Array.isArray(row) && row.length === FIGURE_MODES && row.every(isFinite);
     const { mean, covariance } = hand.figure;

@@ -83,6 +83,9 @@ test('a hand file is read, and its faults are named', () => {
   assert.throws(faulty((h) => { h.layout = 'thumb_left'; }), /h\.json: layout is thumb_left, but/);
   assert.throws(faulty((h) => { h.version = 9; }), /h\.json: version 9 is not known/);
   assert.throws(faulty((h) => { h.tips_m.thumb[0] = 9; }), /h\.json: tips_m: .* mm apart/);
+  assert.throws(faulty((h) => { h.thickness_m = 'thin'; }), /h\.json: thickness_m is not a number/);
+  assert.throws(faulty((h) => { h.scale = 'large'; }), /h\.json: scale is neither/);
+  assert.throws(faulty((h) => { h.tips_sigma_m = { ...h.tips_m, thumb: [0, 0, -1] }; }), /tips_sigma_m: a deviation is negative/);
 });
 
 test('the hand that a tracker holds can be written and read again', async () => {
