@@ -88,6 +88,8 @@ export class HandTracker {
 
   process(picture, time_s) {
     const { data, width, height } = this.#pictures.read(picture);
+    if (data.length !== 4 * width * height)
+      throw new Error(`a picture of ${width}x${height} has ${4 * width * height} bytes of RGBA, not ${data.length}`);
     this.#prepare(width, height, data.length);
     const { frame, result } = this.#structs;
     this.#library.bytes(this.#pixels.address, data.length).set(data);

@@ -28,6 +28,8 @@ test('an empty picture has no hand', async () => {
 test('pictures that cannot be processed are refused in words', async () => {
   const tracker = await HandTracker.create();
   assert.throws(() => tracker.process(picture(64, 48), 0), /160x120/);
+  const rgb = { ...picture(320, 240), data: new Uint8Array(3 * 320 * 240) };
+  assert.throws(() => tracker.process(rgb, 0), /320x240 has 307200 bytes of RGBA, not 230400/);
   tracker.process(picture(320, 240), 1);
   assert.throws(() => tracker.process(picture(320, 240), 1), /time/);
   assert.throws(() => tracker.process(picture(320, 240), NaN), /time/);
