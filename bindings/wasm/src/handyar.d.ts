@@ -36,7 +36,7 @@ export interface Camera {
   cy_px: number;
   /** k1, k2, p1, p2, k3 */
   distortion: number[];
-  /** Not calibrated: a field of view was taken for granted. */
+  /** Not calibrated: a field of view was taken for granted, for pictures of any shape. */
   assumed: boolean;
 }
 

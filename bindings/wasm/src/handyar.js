@@ -20,17 +20,20 @@ export function cameraFromFieldOfView(width_px, height_px, fov_rad = Math.PI / 3
 }
 
 function requireShape(camera, width_px, height_px) {
-  if (Math.abs(camera.height_px * width_px / camera.width_px - height_px) <= 1) return;
+  if (camera.assumed || Math.abs(camera.height_px * width_px / camera.width_px - height_px) <= 1) return;
   throw new Error(`the camera was calibrated for pictures of ${camera.width_px}x` +
     `${camera.height_px}, these are ${width_px}x${height_px}`);
 }
 
-/** The same camera read out at another size of the same shape. */
+/** The same camera read out at another size of the same shape; an assumed one: of any shape. */
 function scaledTo(camera, width_px, height_px) {
-  const s = width_px / camera.width_px;
+  const sx = width_px / camera.width_px, sy = height_px / camera.height_px;
+  // What is assumed is the field of view across the longer side.
+  const longer = Math.max(width_px, height_px) / Math.max(camera.width_px, camera.height_px);
   return {
-    ...camera, width_px, height_px, fx_px: s * camera.fx_px, fy_px: s * camera.fy_px,
-    cx_px: s * (camera.cx_px + 0.5) - 0.5, cy_px: s * (camera.cy_px + 0.5) - 0.5 };
+    ...camera, width_px, height_px,
+    fx_px: (camera.assumed ? longer : sx) * camera.fx_px, fy_px: (camera.assumed ? longer : sy) * camera.fy_px,
+    cx_px: sx * (camera.cx_px + 0.5) - 0.5, cy_px: sy * (camera.cy_px + 0.5) - 0.5 };
 }
 
 /** The pixels of a picture that lies elsewhere than in memory. */

@@ -40,6 +40,12 @@ test('an assumed camera follows the pictures, a calibrated one keeps its shape',
   assumed.process(picture(640, 480), 0);
   assumed.process(picture(480, 640), 1);
   assert.deepEqual(assumed.camera, cameraFromFieldOfView(480, 640));
+  const wide = await HandTracker.create({ camera: cameraFromFieldOfView(640, 480, 1.4) });
+  wide.process(picture(240, 320), 0);
+  const { distortion, ...expected } = cameraFromFieldOfView(240, 320, 1.4);
+  near(Object.values(expected).map(Number), Object.keys(expected).map((key) => Number(wide.camera[key])), 1e-9);
+  wide.setCamera(cameraFromFieldOfView(640, 480));
+  assert.ok(wide.process(picture(240, 320), 1).camera_assumed);
   const calibrated = await HandTracker.create({ camera: readCamera(camera_text) });
   calibrated.process(picture(320, 240), 0);
   assert.equal(calibrated.camera.fx_px, 309);
