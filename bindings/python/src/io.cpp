@@ -33,6 +33,11 @@ py::array_t<std::uint8_t> array(const cv::Mat& bgr) {
                                    bgr.data, owner);
 }
 
+// What names a file: such names are bytes, and Python has its own way to write those that are no text.
+py::object text_of(const std::string& bytes) {
+  return py::reinterpret_steal<py::object>(PyUnicode_DecodeFSDefault(bytes.c_str()));
+}
+
 struct PythonFrame {
   py::array_t<std::uint8_t> bgr;
   double time_s;
@@ -68,7 +73,7 @@ void bind_frames(py::module_& m) {
       .def("__iter__", [](py::object self) { return self; })
       .def("__next__", &next)
       .def_property_readonly(
-          "name", [](const PythonSource& s) { return s.info.name; },
+          "name", [](const PythonSource& s) { return text_of(s.info.name); },
           "As messages call it: the path, or the camera's device.")
       .def_property_readonly(
           "width_px", [](const PythonSource& s) { return s.info.width_px; },
@@ -176,8 +181,16 @@ PYBIND11_MODULE(_io, m) {
   using namespace handyar::python;
   py::module_::import("handyar._core");  // whose classes are taken and given here
   m.attr("__name__") = "handyar.io";
-  py::register_exception<handyar::io::Error>(m, "Error", PyExc_RuntimeError).attr("__doc__") =
+  static py::exception<handyar::io::Error> error(m, "Error", PyExc_RuntimeError);
+  error.attr("__doc__") =
       "What everything here raises: one line that names the file or device and what is wrong.";
+  py::register_exception_translator([](std::exception_ptr fault) {
+    try {
+      if (fault) std::rethrow_exception(fault);
+    } catch (const handyar::io::Error& e) {
+      PyErr_SetObject(error.ptr(), text_of(e.what()).ptr());
+    }
+  });
   bind_frames(m);
   bind_files(m);
   m.attr("__name__") = "handyar._io";

@@ -2,6 +2,7 @@
 """handyar.io, handyar.draw and handyar.calibration, and the program."""
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -26,6 +27,15 @@ def test_frames_stay_as_they_are_while_others_are_read(clip):
 def test_faults_name_the_file(tmp_path, read):
     with pytest.raises(handyar.io.Error, match="missing.file"):
         getattr(handyar.io, read)(tmp_path / "missing.file")
+
+
+def test_files_whose_names_are_no_text_are_named_too(clip, tmp_path):
+    path = os.fsencode(tmp_path) + b"/\xff.png"
+    with pytest.raises(handyar.io.Error, match="\udcff.png: no such file"):
+        handyar.io.open_input(path)
+    shutil.copy(Path(handyar.io.data_file("sample/camera.yml")), path)
+    with pytest.raises(handyar.io.Error, match="\udcff.png: is not a picture"):
+        handyar.io.open_input(path)
 
 
 def test_camera_and_hand_files_hold_what_was_written(clip, tmp_path):
