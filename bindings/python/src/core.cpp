@@ -549,8 +549,8 @@ as it was.)")
           "share_view",
           [](Tracker& first, Tracker& second) {
             if (&first == &second) throw py::value_error("share_view: two trackers are wanted");
-            first.use([&](TrackerState& a) {
-              second.alone([&](TrackerState& b) { share_view(a.tracker, b.tracker); });
+            Tracker::use_both(first, second, [](TrackerState& a, TrackerState& b) {
+              share_view(a.tracker, b.tracker);
             });
           },
           "second"_a, R"(For two hands: each tracker then leaves the other's hand alone.

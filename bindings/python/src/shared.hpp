@@ -32,6 +32,14 @@ class Shared {
     return alone(f);
   }
 
+  /// The same with two of them, whoever else has them in the other order.
+  template <class Function>
+  static auto use_both(Shared& first, Shared& second, Function f) {
+    const py::gil_scoped_release release;
+    const std::scoped_lock lock(first.mutex_, second.mutex_);
+    return f(first.value_, second.value_);
+  }
+
  private:
   T value_;
   std::mutex mutex_;

@@ -221,3 +221,20 @@ def test_trackers_that_share_a_view_leave_one_hand_to_one_of_them(clip):
     assert all(state == "searching" for _, state in states)
     with pytest.raises(ValueError, match="two trackers"):
         first.share_view(first)
+
+
+def test_two_threads_may_pair_the_same_trackers_either_way_round():
+    trackers = handyar.Tracker(), handyar.Tracker()
+
+    def pair(first, second):
+        for _ in range(300_000):
+            first.share_view(second)
+
+    threads = [
+        threading.Thread(target=pair, args=pair_of, daemon=True) for pair_of in (trackers, trackers[::-1])
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+        assert not thread.is_alive(), "each waits for the other"
