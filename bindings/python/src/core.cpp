@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -33,6 +34,11 @@ py::object name_or_none(const std::optional<Enum>& value) {
   return value ? py::object(py::str(name(*value).data())) : py::none();
 }
 
+void require_size(int width_px, int height_px) {
+  if (width_px < 1 || height_px < 1)
+    throw py::value_error("width_px, height_px: the size of a picture is wanted");
+}
+
 void bind_camera(py::module_& m) {
   py::class_<Camera>(m, "Camera", R"(A pinhole camera with distortion, in OpenCV's convention.
 
@@ -40,8 +46,7 @@ Camera frame: x right, y down, z forward, in metres. Pixels: the centre of the t
 (0, 0). Distortion: k1, k2, p1, p2, k3 (Brown-Conrady).)")
       .def(py::init([](int width_px, int height_px, double fx_px, double fy_px, double cx_px,
                        double cy_px, const std::array<double, 5>& distortion, double readout_s) {
-             if (width_px < 1 || height_px < 1)
-               throw py::value_error("width_px, height_px: the size of a picture is wanted");
+             require_size(width_px, height_px);
              const auto finite = [](double x) { return std::isfinite(x); };
              if (!(fx_px > 0 && fy_px > 0 && finite(fx_px) && finite(fy_px)))
                throw py::value_error("fx_px, fy_px: focal lengths are positive");
@@ -57,8 +62,14 @@ Camera frame: x right, y down, z forward, in metres. Pixels: the centre of the t
            "distortion as five numbers k1, k2, p1, p2, k3; for a rolling shutter the seconds from "
            "the first row to the last.")
       .def_static(
-          "from_field_of_view", &Camera::from_field_of_view, "width_px"_a, "height_px"_a,
-          "fov_rad"_a = std::numbers::pi / 3,
+          "from_field_of_view",
+          [](int width_px, int height_px, double fov_rad) {
+            require_size(width_px, height_px);
+            if (!(fov_rad > 0 && fov_rad < std::numbers::pi))
+              throw py::value_error("fov_rad: an angle between 0 and pi is wanted");
+            return Camera::from_field_of_view(width_px, height_px, fov_rad);
+          },
+          "width_px"_a, "height_px"_a, "fov_rad"_a = std::numbers::pi / 3,
           "A camera without distortion that sees `fov_rad` (radians) across the longer side "
           "of the picture, for when nothing is known; `assumed` is then true.")
       .def_readonly("width_px", &Camera::width_px, "Width of its pictures.")
@@ -82,8 +93,15 @@ Camera frame: x right, y down, z forward, in metres. Pixels: the centre of the t
           "k1, k2, p1, p2, k3, shape (5,), as OpenCV has them.")
       .def_readonly("readout_s", &Camera::readout_s,
                     "Rolling shutter: seconds from the first row to the last; 0: all at once.")
-      .def("scaled_to", &Camera::scaled_to, "width_px"_a, "height_px"_a,
-           "The same camera read out at another size of the same aspect (nothing cropped).")
+      .def(
+          "scaled_to",
+          [](const Camera& c, int width_px, int height_px) {
+            require_size(width_px, height_px);
+            return c.scaled_to(width_px, height_px);
+          },
+          "width_px"_a, "height_px"_a,
+          "The same camera read out at another size of the same aspect (nothing cropped); an "
+          "assumed one: of any aspect.")
       .def(
           "project",
           [](const Camera& c, const Numbers& p_camera) {

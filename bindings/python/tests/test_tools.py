@@ -31,6 +31,20 @@ def test_cameras_that_cannot_be_are_refused(size):
         handyar.Camera(**{**arguments, **size})
 
 
+@pytest.mark.parametrize("size", [(0, 480), (640, -1)])
+def test_cameras_without_pictures_are_refused(size):
+    with pytest.raises(ValueError, match="size of a picture"):
+        handyar.Camera.from_field_of_view(*size)
+    with pytest.raises(ValueError, match="size of a picture"):
+        handyar.Camera.from_field_of_view(640, 480).scaled_to(*size)
+
+
+@pytest.mark.parametrize("fov_rad", [0, np.pi, -1, np.nan])
+def test_fields_of_view_that_cannot_be_are_refused(fov_rad):
+    with pytest.raises(ValueError, match="between 0 and pi"):
+        handyar.Camera.from_field_of_view(640, 480, fov_rad)
+
+
 def test_planar_pose_is_found_again():
     a = np.deg2rad(30)
     pose = np.eye(4)
