@@ -1,18 +1,32 @@
 // SPDX-License-Identifier: MIT
 // A person's own hand: its shape is learned while it turns, its size is typed.
 
+import { readHand } from 'handyar';
+
 const LEAST_TURN_rad = Math.PI / 6;
 const LEAST_VIEWS = 20;
 const KEPT = 'handyar-hand';
 
-/** The hand kept in this browser, or null. */
+let kept = null;
+try {
+  kept = readHand(localStorage.getItem(KEPT));
+} catch {
+  // There is none, or this browser keeps nothing.
+}
+
+/** The hand kept in this browser, or while the page is open where it keeps nothing; or null. */
 export function keptHand() {
-  return JSON.parse(localStorage.getItem(KEPT));
+  return kept;
 }
 
 export function keepHand(hand) {
-  if (hand) localStorage.setItem(KEPT, JSON.stringify(hand));
-  else localStorage.removeItem(KEPT);
+  kept = hand;
+  try {
+    if (hand) localStorage.setItem(KEPT, JSON.stringify(hand));
+    else localStorage.removeItem(KEPT);
+  } catch {
+    // It is forgotten with the page.
+  }
 }
 
 export const span_m = ({ tips_m: { thumb, little } }) => Math.hypot(...thumb.map((x, i) => x - little[i]));
