@@ -92,7 +92,7 @@ function mirror(mirrored) {
 hand.onUpdate = ({ result }) => {
   mixer?.setTime(performance.now() / 1000);
   hand.renderer.render(hand.scene, hand.camera);
-  drawRuler();
+  drawRuler(result);
   turning?.take(result);
   if (turning) sayCalibration();
   if (performance.now() > notice.until_ms) say(teller.say(result, recorded));
@@ -144,7 +144,7 @@ function onPage(point) {
   return { x: box.width / 2 + flip * x * width * scale / 2, y: box.height / 2 - y * height * scale / 2 };
 }
 
-function drawRuler() {
+function drawRuler({ scale_assumed }) {
   const shown = measuring && thumb.followed && index.followed;
   $('ruler').toggleAttribute('hidden', !shown);
   if (!shown) return;
@@ -153,7 +153,7 @@ function drawRuler() {
   Object.entries({ x1: a.x, y1: a.y, x2: b.x, y2: b.y }).forEach(([key, x]) => line.setAttribute(key, x));
   const apart_mm = Math.round(1000 * from.distanceTo(to));
   const away_cm = Math.round(100 * stand.group.position.distanceTo(new Vector3()));
-  const assumed = keptHand() ? '' : ' (if the hand is of average size)';
+  const assumed = scale_assumed ? ' (if the hand is of average size)' : '';
   tell(`Thumb to index ${apart_mm} mm, ${away_cm} cm away${assumed}`, 2);
 }
 

@@ -158,6 +158,23 @@ test('a hand is measured and remembered', { skip }, () => withPage({ camera }, a
   assert.equal(await page.evaluate(async () => (await (await import('./page.js')).hand.hand()).scale), 'measured');
 }));
 
+test('lengths of a hand whose size is not known are not told as measured', { skip }, () =>
+  withPage({ camera }, async (page) => {
+    const measured = JSON.parse(readFileSync(data('sample/hand.json'), 'utf8'));
+    for (const [scale, told] of [['average', /away \(if the hand is of average size\)$/], ['measured', /away$/]]) {
+      await page.evaluate((text) => localStorage.setItem('handyar-hand', text),
+        JSON.stringify({ ...measured, version: 2, source: 'self', scale }));
+      await page.reload();
+      await note(page);
+      await page.click('#start');
+      await poses(page, 1);
+      await page.keyboard.down('m');
+      await page.waitForFunction(() => /^Thumb to index/.test(said.textContent));
+      assert.match(await page.textContent('#said'), told);
+      await page.keyboard.up('m');
+    }
+  }));
+
 test('it works without a network once it was opened', { skip }, () => withPage({ camera }, async (page) => {
   await page.evaluate(() => navigator.serviceWorker.ready);
   await page.context().setOffline(true);
