@@ -317,6 +317,25 @@ TEST_F(OverlayTest, AfterAFlipItLeavesOneFaceBeforeItComesOnTheOther) {
   EXPECT_GT(cv::norm(last, kSkin), 40);
 }
 
+TEST_F(OverlayTest, AfterAFlipItLeavesFromWhereItStood) {
+  hand_covers({0, 0, 640, 480});
+  HandOverlay dot(cube(), 0.01, Attachment::thumb_tip);
+  const auto column_px = [&](double time_s, Layout layout) {
+    const HandModel shown = hand.for_layout(layout);
+    cv::Mat bgr = frame(), grey;
+    dot.draw(bgr, camera, time_s, hand_at(0.45), shown, mask(),
+             T_hand_attachment(Attachment::thumb_tip, shown, {}));
+    cv::absdiff(bgr, frame(), bgr);
+    cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+    const cv::Moments m = cv::moments(grey);
+    return m.m10 / m.m00;
+  };
+  double before_px = 0;
+  for (int i = 0; i < 20; ++i) before_px = column_px(i / 30.0, Layout::thumb_right);
+  for (int i = 20; i < 22; ++i)
+    EXPECT_NEAR(column_px(i / 30.0, Layout::thumb_left), before_px, 1) << "frame " << i;
+}
+
 TEST_F(OverlayTest, DoesNotStandBesideTheHand) {
   hand_covers({20, 140, 200, 300});  // the palm is at column 320
   for (int i = 0; i < 20; ++i)

@@ -32,7 +32,8 @@ void HandOverlay::draw(cv::Mat& frame_bgr, const Camera& camera, double time_s,
   presence_.update(time_s, here ? T_camera_hand : std::nullopt,
                    here ? std::optional(hand.layout) : std::nullopt);
   const Presence::Sighting seen = presence_.sighting();
-  if (here) T_hand_object_ = T_hand_object;
+  // After a flip it leaves from the face on which it stood.
+  if (here && seen.layout == hand.layout) T_hand_object_ = T_hand_object;
   // What stands on a fingertip or behind the hand throws no shadow that could be seen on it.
   const bool on_visible_face = T_hand_object_.linear()(2, 2) > 0.9;
   instance_.ground = on_visible_face ? Ground::hand : Ground::none;
