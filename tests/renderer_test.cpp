@@ -248,6 +248,21 @@ TEST_F(RendererTest, ADarkRoomMakesADarkObject) {
   EXPECT_GT(seen[0], 1.4 * seen[1]);
 }
 
+TEST_F(RendererTest, ARendererThatTakesAnothersPlaceDrawsAsThatOneDid) {
+  const Instance instance = red(hand_at(0.45));
+  Renderer other;
+  other.add(cube());
+  cv::Mat bgr = frame();
+  other.draw(bgr, camera, {&instance, 1});  // in a context of its own
+  const cv::Mat expected = drawn(instance, std::nullopt);
+  cv::Mat large(600, 800, CV_8UC3, cv::Scalar(kRoom));
+  renderer.draw(large, camera, {&instance, 1});  // what is of a frame's size is made anew after it
+  other = std::move(renderer);
+  bgr = frame();
+  other.draw(bgr, camera, {&instance, 1});
+  EXPECT_EQ(cv::norm(bgr, expected, cv::NORM_INF), 0);
+}
+
 TEST_F(RendererTest, WhatIsOutOfViewOrBehindTheCameraIsHarmless) {
   for (const Vector3d& p :
        {Vector3d(5, 0, 0.5), Vector3d(0, 0, -0.5), Vector3d(0, 0, 0.01), Vector3d(0, 0, 1e7)}) {

@@ -208,6 +208,7 @@ struct Renderer::Impl {
   cv::Mat overlay_bgra;
 
   explicit Impl(std::shared_ptr<Context> c) : context(std::move(c)) {}
+  ~Impl() { context->make_current(); }  // what it owns is of this context
 
   void begin(const cv::Rect& region) const {
     glBindFramebuffer(GL_FRAMEBUFFER, target->multisampled);
@@ -326,9 +327,7 @@ Renderer::Renderer(std::shared_ptr<Context> context) {
   context->make_current();
   impl_ = std::make_unique<Impl>(std::move(context));
 }
-Renderer::~Renderer() {
-  if (impl_) impl_->context->make_current();
-}
+Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
