@@ -10,6 +10,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "gltf.hpp"
 #include "handyar/io/error.hpp"
@@ -44,11 +45,8 @@ cv::Mat to_rgba(const cv::Mat& decoded) {
   return rgba;
 }
 
-cv::Mat read_texture(const aiScene& scene, const aiMaterial& material, const fs::path& model) {
-  aiString name;
-  if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &name) != aiReturn_SUCCESS &&
-      material.GetTexture(aiTextureType_DIFFUSE, 0, &name) != aiReturn_SUCCESS)
-    return {};
+// A file's bytes of RGBA; `name` is what the model calls it.
+cv::Mat read_picture(const aiScene& scene, const aiString& name, const fs::path& model) {
   const io::QuietStandardError quiet;
   cv::Mat image;
   if (const aiTexture* embedded = scene.GetEmbeddedTexture(name.C_Str())) {
@@ -61,38 +59,92 @@ cv::Mat read_texture(const aiScene& scene, const aiMaterial& material, const fs:
     if (image.empty()) fail(model, "its embedded texture cannot be read");
   } else {
     if (name.length == 0) fail(model, "has a texture without a picture");
-    const fs::path file = model.parent_path() / name.C_Str();
-    image = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
-    if (image.empty()) fail(model, "its texture " + file.string() + " cannot be read");
+    const std::string file = (model.parent_path() / name.C_Str()).string();
+    image = cv::imread(file, cv::IMREAD_UNCHANGED);
+    if (image.empty()) fail(model, "its texture " + file + " cannot be read");
   }
   if (image.depth() != CV_8U) image.convertTo(image, CV_8U, 1.0 / 257);
   return to_rgba(image);
+}
+
+// "OPAQUE", "MASK" or "BLEND"; empty where the material is not of a glTF file.
+std::string gltf_mode(const aiMaterial& material) {
+  aiString mode;
+  material.Get(AI_MATKEY_GLTF_ALPHAMODE, mode);
+  return mode.C_Str();
+}
+
+// glTF states linear light; everything here is sRGB.
+Eigen::Vector3f srgb(const aiColor4D& linear) {
+  return Eigen::Vector3f(linear.r, linear.g, linear.b).array().max(0).pow(1 / 2.2f);
+}
+
+// Of the texture that colours a material: its file, and which of a mesh's coordinates lay it.
+struct ColourTexture {
+  aiString file;
+  unsigned coordinates = 0;
+};
+std::optional<ColourTexture> colour_texture_of(const aiMaterial& material) {
+  ColourTexture texture;
+  for (const auto kind : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE})
+    if (material.GetTexture(kind, 0, &texture.file, nullptr, &texture.coordinates) ==
+        aiReturn_SUCCESS)
+      return texture;
+  return std::nullopt;
+}
+
+cv::Mat read_texture(const aiScene& scene, const aiMaterial& material, const fs::path& model) {
+  const auto texture = colour_texture_of(material);
+  if (!texture) return {};
+  cv::Mat rgba = read_picture(scene, texture->file, model);
+  // What lies in the alpha of an opaque material means nothing.
+  if (gltf_mode(material) == "OPAQUE") rgba |= cv::Scalar(0, 0, 0, 255);
+  return rgba;
+}
+
+// What is drawn has one roughness a material, and is metal or not in one measure: the mean of what
+// a texture tells.
+void read_surface(const aiScene& scene, const aiMaterial& in, const fs::path& model,
+                  Material& out) {
+  float shininess = 0;
+  if (in.Get(AI_MATKEY_ROUGHNESS_FACTOR, out.roughness) != aiReturn_SUCCESS &&
+      in.Get(AI_MATKEY_SHININESS, shininess) == aiReturn_SUCCESS && shininess > 0)
+    out.roughness = std::sqrt(2 / (shininess + 2));
+  in.Get(AI_MATKEY_METALLIC_FACTOR, out.metallic);
+  aiString file;
+  if (gltf_mode(in).empty() ||
+      in.GetTexture(AI_MATKEY_GLTF_PBRMETALLICROUGHNESS_METALLICROUGHNESS_TEXTURE, &file) !=
+          aiReturn_SUCCESS)
+    return;
+  const cv::Scalar mean = cv::mean(read_picture(scene, file, model)) / 255;
+  out.roughness *= static_cast<float>(mean[1]);
+  out.metallic *= static_cast<float>(mean[2]);
 }
 
 Material read_material(const aiScene& scene, const aiMaterial& in, const fs::path& model) {
   Material out;
   aiColor4D colour;
   if (in.Get(AI_MATKEY_BASE_COLOR, colour) == aiReturn_SUCCESS)
-    // glTF states linear light; everything here is sRGB.
-    out.colour = Eigen::Vector3f(colour.r, colour.g, colour.b).array().max(0).pow(1 / 2.2f);
+    out.colour = srgb(colour);
   else if (in.Get(AI_MATKEY_COLOR_DIFFUSE, colour) == aiReturn_SUCCESS)
     out.colour = {colour.r, colour.g, colour.b};
-  float shininess = 0;
-  if (in.Get(AI_MATKEY_ROUGHNESS_FACTOR, out.roughness) != aiReturn_SUCCESS &&
-      in.Get(AI_MATKEY_SHININESS, shininess) == aiReturn_SUCCESS && shininess > 0)
-    out.roughness = std::sqrt(2 / (shininess + 2));
-  in.Get(AI_MATKEY_METALLIC_FACTOR, out.metallic);
+  read_surface(scene, in, model, out);
   out.texture = read_texture(scene, in, model);
   return out;
 }
 
-Mesh read_mesh(const aiMesh& in, const Mesh::Moment& first) {
+Mesh read_mesh(const aiMesh& in, const aiMaterial& material, const Mesh::Moment& first) {
   Mesh out;
+  const bool linear_light = !gltf_mode(material).empty();
+  const unsigned coordinates = colour_texture_of(material).value_or(ColourTexture{}).coordinates;
   for (unsigned i = 0; i < in.mNumVertices; ++i) {
     Vertex v{first.positions[i], first.normals[i]};
-    if (in.HasVertexColors(0))
-      v.colour = {in.mColors[0][i].r, in.mColors[0][i].g, in.mColors[0][i].b};
-    if (in.HasTextureCoords(0)) v.uv = {in.mTextureCoords[0][i].x, in.mTextureCoords[0][i].y};
+    if (in.HasVertexColors(0)) {
+      const aiColor4D& colour = in.mColors[0][i];
+      v.colour = linear_light ? srgb(colour) : Eigen::Vector3f(colour.r, colour.g, colour.b);
+    }
+    if (in.HasTextureCoords(coordinates))
+      v.uv = {in.mTextureCoords[coordinates][i].x, in.mTextureCoords[coordinates][i].y};
     out.vertices.push_back(v);
   }
   for (unsigned i = 0; i < in.mNumFaces; ++i) {
@@ -172,9 +224,9 @@ Model load_model(const fs::path& path) {
   Model model;
   const NodePlaces first(*scene, 0);
   for (const auto& [mesh, node] : uses) {
-    model.meshes.push_back(read_mesh(*mesh, moment(*mesh, *node, first)));
-    model.meshes.back().material =
-        read_material(*scene, *scene->mMaterials[mesh->mMaterialIndex], path);
+    const aiMaterial& material = *scene->mMaterials[mesh->mMaterialIndex];
+    model.meshes.push_back(read_mesh(*mesh, material, moment(*mesh, *node, first)));
+    model.meshes.back().material = read_material(*scene, material, path);
   }
   model.period_s = period_s(*scene);
   const int count = moment_count(model.period_s, uses);

@@ -23,7 +23,7 @@ struct Vertex {
 struct Material {
   Eigen::Vector3f colour = Eigen::Vector3f::Ones();  ///< sRGB, 0..1
   float roughness = 0.4f;                            ///< 0 mirror .. 1 chalk
-  float metallic = 0;                                ///< 0 or 1
+  float metallic = 0;                                ///< 0 .. 1
   cv::Mat texture;                                   ///< 8-bit RGBA, top row first; may be empty
 };
 

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "handyar/render/model.hpp"
+
+namespace handyar::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+class GltfFile : public testing::Test {
+ protected:
+  GltfFile()
+      : folder_(fs::path(testing::TempDir()) /
+                testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    fs::create_directories(folder_);
+  }
+  ~GltfFile() override { fs::remove_all(folder_); }
+
+  void write_picture(const std::string& name, const cv::Scalar& bgra) const {
+    cv::imwrite((folder_ / name).string(), cv::Mat(4, 4, CV_8UC4, bgra));
+  }
+
+  /// A triangle at `nodes` nodes, with `attributes` besides its places: accessor 1 are texture
+  /// coordinates, 2 others, and 3 colours of one half. Its pictures are a.png and b.png.
+  Model read(const std::string& material, const std::string& attributes, int nodes = 1,
+             const std::string& buffer = "corners.bin",
+             const std::string& picture = "a.png") const {
+    const float numbers[] = {0,   0,   0,   2,   0,   0,   0,   1,   0,     // places
+                             0,   0,   1,   0,   0,   1,                    // texture coordinates
+                             0.5, 0.5, 0.5, 0.5, 0.5, 0.5,                  // others
+                             0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5};  // colours
+    const auto decoded = [](std::string name) {
+      for (auto at = name.find("%20"); at != std::string::npos; at = name.find("%20"))
+        name.replace(at, 3, " ");
+      return name;
+    };
+    std::ofstream(folder_ / decoded(buffer), std::ios::binary)
+        .write(reinterpret_cast<const char*>(numbers), sizeof numbers);
+    std::string list = "0", all = R"({"mesh": 0})";
+    for (int i = 1; i < nodes; ++i) {
+      list += ", " + std::to_string(i);
+      all += R"(, {"mesh": 0})";
+    }
+    std::ofstream(folder_ / "m.gltf")
+        << R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [)" << list
+        << R"(]}], "nodes": [)" << all << R"(],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0)"
+        << attributes << R"(}, "material": 0}]}], "materials": [)" << material << R"(],
+      "textures": [{"source": 0}, {"source": 1}],
+      "images": [{"uri": ")"
+        << picture << R"("}, {"uri": "b.png"}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+        {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"},
+        {"bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC2"},
+        {"bufferView": 3, "componentType": 5126, "count": 3, "type": "VEC3"}],
+      "bufferViews": [{"buffer": 0, "byteLength": 36},
+        {"buffer": 0, "byteOffset": 36, "byteLength": 24},
+        {"buffer": 0, "byteOffset": 60, "byteLength": 24},
+        {"buffer": 0, "byteOffset": 84, "byteLength": 36}],
+      "buffers": [{"uri": ")"
+        << buffer << R"(", "byteLength": 120}]})";
+    return load_model(folder_ / "m.gltf");
+  }
+
+  fs::path folder_;
+};
+
+const std::string kTextured = R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}})";
+const std::string kAtCoordinates = R"(, "TEXCOORD_0": 1)";
+
+TEST_F(GltfFile, ColoursOfCornersAreOfLinearLightAsThoseOfMaterials) {
+  const Model model = read(R"({"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 1]}})",
+                           R"(, "COLOR_0": 3)");
+  const Eigen::Vector3f half = Eigen::Vector3f::Constant(std::pow(0.5f, 1 / 2.2f));
+  EXPECT_TRUE(model.meshes.at(0).material.colour.isApprox(half, 1e-5f));
+  for (const Vertex& v : model.meshes[0].vertices) EXPECT_TRUE(v.colour.isApprox(half, 1e-5f));
+}
+
+TEST_F(GltfFile, OnlyAMaterialThatSaysSoHasHolesWhereItsTextureHas) {
+  write_picture("a.png", {10, 20, 30, 0});
+  for (const auto& [mode, alpha] : {std::pair{"", 255},
+                                    {R"(, "alphaMode": "OPAQUE")", 255},
+                                    {R"(, "alphaMode": "MASK")", 0},
+                                    {R"(, "alphaMode": "BLEND")", 0}}) {
+    const Model model = read(kTextured + mode + "}", kAtCoordinates);
+    EXPECT_EQ(model.meshes.at(0).material.texture.at<cv::Vec4b>(0, 0), cv::Vec4b(30, 20, 10, alpha))
+        << mode;
+  }
+}
+
+TEST_F(GltfFile, RoughnessAndMetalAreThoseOfTheTextureInTheMean) {
+  write_picture("b.png", {51, 102, 255, 255});  // blue: metal, green: roughness
+  const Model textured = read(
+      R"({"pbrMetallicRoughness": {"roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 1}}})",
+      kAtCoordinates);
+  EXPECT_NEAR(textured.meshes.at(0).material.roughness, 0.5 * 102 / 255, 1e-5);
+  EXPECT_NEAR(textured.meshes[0].material.metallic, 51 / 255.0, 1e-5);
+  const Model plain = read(R"({"pbrMetallicRoughness": {"metallicFactor": 0}})", "");
+  EXPECT_EQ(plain.meshes.at(0).material.roughness, 1);
+  EXPECT_EQ(plain.meshes[0].material.metallic, 0);
+}
+
+TEST_F(GltfFile, ATextureLiesWhereTheCoordinatesThatItNamesHaveIt) {
+  write_picture("a.png", {10, 20, 30, 255});
+  const auto third_corner = [&](const std::string& texture) {
+    const Model model =
+        read(R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0)" + texture + "}}}",
+             kAtCoordinates + R"(, "TEXCOORD_1": 2)");
+    return model.meshes.at(0).vertices.at(2).uv;
+  };
+  EXPECT_TRUE(third_corner("").isApprox(Eigen::Vector2f(0, 1)));
+  EXPECT_TRUE(third_corner(R"(, "texCoord": 1)").isApprox(Eigen::Vector2f(0.5, 0.5)));
+}
+
+}  // namespace
+}  // namespace handyar::render
