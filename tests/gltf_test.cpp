@@ -105,6 +105,14 @@ TEST_F(GltfFile, RoughnessAndMetalAreThoseOfTheTextureInTheMean) {
   EXPECT_EQ(plain.meshes[0].material.metallic, 0);
 }
 
+TEST_F(GltfFile, ATextureOfSeveralMeshesIsThereOnce) {
+  write_picture("a.png", {10, 20, 30, 255});
+  const Model model = read(kTextured + "}", kAtCoordinates, 3);
+  ASSERT_EQ(model.meshes.size(), 3u);
+  for (const Mesh& mesh : model.meshes)
+    EXPECT_EQ(mesh.material.texture.data, model.meshes[0].material.texture.data);
+}
+
 TEST_F(GltfFile, ATextureLiesWhereTheCoordinatesThatItNamesHaveIt) {
   write_picture("a.png", {10, 20, 30, 255});
   const auto third_corner = [&](const std::string& texture) {

@@ -8,6 +8,7 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -223,10 +224,13 @@ Model load_model(const fs::path& path) {
   find_uses(*scene, *scene->mRootNode, uses);
   Model model;
   const NodePlaces first(*scene, 0);
+  std::map<const aiMaterial*, Material> materials;  // whose textures take time and memory once
   for (const auto& [mesh, node] : uses) {
     const aiMaterial& material = *scene->mMaterials[mesh->mMaterialIndex];
     model.meshes.push_back(read_mesh(*mesh, material, moment(*mesh, *node, first)));
-    model.meshes.back().material = read_material(*scene, material, path);
+    const auto [known, is_new] = materials.try_emplace(&material);
+    if (is_new) known->second = read_material(*scene, material, path);
+    model.meshes.back().material = known->second;
   }
   model.period_s = period_s(*scene);
   const int count = moment_count(model.period_s, uses);

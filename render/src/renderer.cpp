@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "bake.hpp"
@@ -35,17 +37,31 @@ void upload(GLuint texture, int unit, GLint internal, int width, int height, GLe
   glTexImage2D(GL_TEXTURE_2D, 0, internal, width, height, 0, format, type, data);
 }
 
+using SharedTexture = std::shared_ptr<const gl::Texture>;
+
+SharedTexture uploaded(const cv::Mat& picture) {
+  const cv::Mat rgba = picture.isContinuous() ? picture : picture.clone();
+  auto texture = std::make_shared<gl::Texture>();
+  upload(*texture, 0, GL_RGBA8, rgba.cols, rgba.rows, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
+  for (GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, wrap, GL_REPEAT);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glGenerateMipmap(GL_TEXTURE_2D);
+  return texture;
+}
+
 struct GpuMesh {
   gl::VertexArray array;
   gl::Buffer vertices, indices;
-  std::optional<gl::Texture> texture;
+  SharedTexture texture;  ///< null: it has none
   GLsizei index_count = 0;
   Material material;
   std::vector<Mesh::Moment> moments;
   std::vector<Vertex> moved;  ///< what the buffer is filled with, where it moves
 
-  explicit GpuMesh(const Mesh& mesh)
-      : index_count(static_cast<GLsizei>(mesh.indices.size())),
+  GpuMesh(const Mesh& mesh, SharedTexture its_texture)
+      : texture(std::move(its_texture)),
+        index_count(static_cast<GLsizei>(mesh.indices.size())),
         material(mesh.material),
         moments(mesh.moments) {
     if (!moments.empty()) moved = mesh.vertices;
@@ -62,7 +78,7 @@ struct GpuMesh {
     attribute(2, 3, offsetof(Vertex, colour));
     attribute(3, 2, offsetof(Vertex, uv));
     attribute(4, 1, offsetof(Vertex, openness));
-    if (!material.texture.empty()) upload_texture();
+    material.texture.release();
   }
 
   /// `share`: of the model's period.
@@ -88,18 +104,6 @@ struct GpuMesh {
     glVertexAttribPointer(index, size, GL_FLOAT, GL_FALSE, sizeof(Vertex),
                           reinterpret_cast<const void*>(offset));
   }
-
-  void upload_texture() {
-    const cv::Mat rgba =
-        material.texture.isContinuous() ? material.texture : material.texture.clone();
-    texture.emplace();
-    upload(*texture, 0, GL_RGBA8, rgba.cols, rgba.rows, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
-    for (GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-      glTexParameteri(GL_TEXTURE_2D, wrap, GL_REPEAT);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-    glGenerateMipmap(GL_TEXTURE_2D);
-    material.texture.release();
-  }
 };
 
 struct GpuModel {
@@ -110,7 +114,13 @@ struct GpuModel {
 
   explicit GpuModel(Model model) : box(model.bounds()), period_s(model.period_s) {
     bake_openness(model);
-    for (const Mesh& mesh : model.meshes) meshes.emplace_back(mesh);
+    std::map<const std::uint8_t*, SharedTexture> textures;  // meshes may have one in common
+    for (const Mesh& mesh : model.meshes) {
+      const cv::Mat& picture = mesh.material.texture;
+      SharedTexture& texture = textures[picture.data];
+      if (!texture && !picture.empty()) texture = uploaded(picture);
+      meshes.emplace_back(mesh, texture);
+    }
     const cv::Mat rg = bake_shadow(model);
     upload(shadow, 4, GL_RG8, rg.cols, rg.rows, GL_RG, GL_UNSIGNED_BYTE, rg.data);
   }
@@ -274,7 +284,7 @@ struct Renderer::Impl {
         glUniform1f(object["roughness"], roughness);
         glUniform1f(object["shine"], std::max(1.0f, 2 / std::pow(roughness, 4.0f) - 2));
         glUniform1f(object["metallic"], mesh.material.metallic);
-        glUniform1i(object["textured"], mesh.texture.has_value());
+        glUniform1i(object["textured"], mesh.texture != nullptr);
         glActiveTexture(GL_TEXTURE0);
         glBindTexture(GL_TEXTURE_2D, mesh.texture ? GLuint(*mesh.texture) : 0);
         glBindVertexArray(mesh.array);
