@@ -105,6 +105,13 @@ TEST_F(GltfFile, RoughnessAndMetalAreThoseOfTheTextureInTheMean) {
   EXPECT_EQ(plain.meshes[0].material.metallic, 0);
 }
 
+TEST_F(GltfFile, NamesOfFilesAreReadAsUris) {
+  write_picture("the skin.png", {10, 20, 30, 255});
+  const Model model =
+      read(kTextured + "}", kAtCoordinates, 1, "the%20corners.bin", "the%20skin.png");
+  EXPECT_EQ(model.meshes.at(0).material.texture.at<cv::Vec4b>(0, 0), cv::Vec4b(30, 20, 10, 255));
+}
+
 TEST_F(GltfFile, ATextureOfSeveralMeshesIsThereOnce) {
   write_picture("a.png", {10, 20, 30, 255});
   const Model model = read(kTextured + "}", kAtCoordinates, 3);

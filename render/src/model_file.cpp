@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
@@ -19,6 +20,7 @@
 #include "handyar/render/model.hpp"
 #include "motion.hpp"
 #include "ply.hpp"
+#include "uri.hpp"
 
 namespace handyar::render {
 namespace {
@@ -30,6 +32,14 @@ namespace fs = std::filesystem;
 }
 
 std::string first_line(std::string text) { return text.substr(0, text.find_first_of("\r\n")); }
+
+// Files beside a model.
+class Files : public Assimp::DefaultIOSystem {
+ public:
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    return DefaultIOSystem::Open(file_named(name).c_str(), mode);
+  }
+};
 
 cv::Mat to_rgba(const cv::Mat& decoded) {
   cv::Mat rgba;
@@ -60,7 +70,7 @@ cv::Mat read_picture(const aiScene& scene, const aiString& name, const fs::path&
     if (image.empty()) fail(model, "its embedded texture cannot be read");
   } else {
     if (name.length == 0) fail(model, "has a texture without a picture");
-    const std::string file = (model.parent_path() / name.C_Str()).string();
+    const std::string file = file_named((model.parent_path() / name.C_Str()).string());
     image = cv::imread(file, cv::IMREAD_UNCHANGED);
     if (image.empty()) fail(model, "its texture " + file + " cannot be read");
   }
@@ -210,6 +220,7 @@ Model load_model(const fs::path& path) {
   if (is_ply_cut_short(path)) fail(path, "breaks off: its header states more than there is");
   check_gltf(path);
   Assimp::Importer importer;
+  importer.SetIOHandler(new Files);  // which it deletes
   // Points and lines have no surface: they are dropped.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+namespace handyar::render {
+
+/// The file of that name or, where there is none, the one of which the name is the URI, as names in
+/// glTF are: "%20" stands for a space.
+std::string file_named(const std::string& name);
+
+}  // namespace handyar::render
