@@ -119,8 +119,8 @@ export interface Mask {
 }
 
 /** RGBA from memory, or anything that an OffscreenCanvas can draw. */
-export type Picture = ImageData | ImageBitmap | VideoFrame |
-  { data: Uint8ClampedArray; width: number; height: number };
+export type Picture = ImageData | ImageBitmap | VideoFrame | HTMLVideoElement | HTMLImageElement |
+  HTMLCanvasElement | OffscreenCanvas | { data: Uint8ClampedArray; width: number; height: number };
 
 export interface Options {
   /** Without one, 60 degrees across the longer side are assumed. */

@@ -42,7 +42,9 @@ class PictureReader {
 
   read(picture) {
     if (picture.data) return picture;
-    const width = picture.displayWidth ?? picture.width, height = picture.displayHeight ?? picture.height;
+    // Elements of a page call their width what they have there.
+    const width = picture.displayWidth ?? picture.videoWidth ?? picture.naturalWidth ?? picture.width;
+    const height = picture.displayHeight ?? picture.videoHeight ?? picture.naturalHeight ?? picture.height;
     if (this.#context === null)
       this.#context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
     const { canvas } = this.#context;

@@ -35,6 +35,30 @@ test('pictures that cannot be processed are refused in words', async () => {
   assert.throws(() => tracker.process(picture(320, 240), NaN), /time/);
 });
 
+test('elements of a page are drawn at the size of their picture', async (t) => {
+  globalThis.OffscreenCanvas = class {
+    constructor(width, height) {
+      Object.assign(this, { width, height });
+    }
+
+    getContext() {
+      return {
+        canvas: this, drawImage() {}, getImageData: (x, y, width, height) => picture(width, height) };
+    }
+  };
+  t.after(() => { delete globalThis.OffscreenCanvas; });
+  const tracker = await HandTracker.create();
+  const elements = [
+    { width: 0, height: 0, videoWidth: 640, videoHeight: 480 },
+    { width: 100, height: 50, naturalWidth: 320, naturalHeight: 240 },
+    { width: 640, height: 360 }];
+  for (const [time_s, element] of elements.entries()) {
+    tracker.process(element, time_s);
+    const width_px = element.videoWidth ?? element.naturalWidth ?? element.width;
+    assert.equal(tracker.camera.width_px, width_px);
+  }
+});
+
 test('an assumed camera follows the pictures, a calibrated one keeps its shape', async () => {
   const assumed = await HandTracker.create();
   assumed.process(picture(640, 480), 0);
