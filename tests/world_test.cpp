@@ -321,6 +321,21 @@ TEST(World, AHandThatHasJustComeIsNotMissed) {
   EXPECT_FALSE(first.hindrance);
 }
 
+TEST(World, PicturesThatAreNotTheCamerasAreRefused) {
+  Tabletop table;
+  WorldTracker tracker(table.camera);
+  const Eigen::Isometry3d truth = from(0, 0.5, 0.5);
+  const cv::Mat bgr = table.draw(truth, true);
+  for (int frame = 0; frame < 20; ++frame)
+    tracker.process(bgr, frame * kFrame_s, table.hand(truth));
+  cv::Mat half, grey;
+  cv::resize(bgr, half, bgr.size() / 2);
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  for (const cv::Mat& other : {half, grey, cv::Mat()})
+    EXPECT_THROW(tracker.process(other, 20 * kFrame_s, {}), cv::Exception) << other.size();
+  EXPECT_EQ(tracker.process(bgr, 20 * kFrame_s, table.hand(truth)).state, WorldState::tracked);
+}
+
 TEST(World, TellsWhetherItWaitsForAHandOrForASurePose) {
   Tabletop table;
   WorldTracker tracker(table.camera);

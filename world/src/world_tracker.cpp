@@ -101,6 +101,7 @@ struct WorldTracker::Impl {
 
 WorldResult WorldTracker::Impl::process(const cv::Mat& bgr, double time_s,
                                         const HandInWorld& hand) {
+  CV_Assert(bgr.type() == CV_8UC3 && bgr.size() == cv::Size(camera.width_px, camera.height_px));
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
   // Noise looks like structure along a grain, and what is followed there would stay where it was

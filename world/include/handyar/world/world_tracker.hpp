@@ -89,7 +89,8 @@ class WorldTracker {
   WorldTracker(WorldTracker&&) noexcept;
   WorldTracker& operator=(WorldTracker&&) noexcept;
 
-  /// Takes the next frame (8-bit BGR, of the camera's size); times must increase.
+  /// Takes the next frame; times must increase. One that is not 8-bit BGR of the camera's size is
+  /// refused by cv::Exception and changes nothing.
   WorldResult process(const cv::Mat& bgr, double time_s, const HandInWorld& hand);
 
   /// The surroundings as far as they are known; null before a frame was set.
