@@ -237,7 +237,11 @@ $('length').addEventListener('submit', (event) => {
   event.preventDefault();
   takeLength();
 });
-$('file').addEventListener('change', () => $('file').files.length && take($('file').files[0]));
+$('file').addEventListener('change', ({ target }) => {
+  const [file] = target.files;
+  if (file) take(file);
+  target.value = '';  // so that the same file, which may have changed, can be chosen again
+});
 
 $('measure').addEventListener('pointerdown', () => measure(true));
 for (const end of ['pointerup', 'pointercancel', 'blur']) addEventListener(end, () => measure(false));

@@ -130,6 +130,9 @@ test('a model of one’s own is dropped on the page', { skip }, () => withPage({
     buffers: [{ byteLength: 36, uri: `data:application/octet-stream;base64,${corners}` }] };
   await drop('triangle.gltf', JSON.stringify(triangle));
   await page.waitForFunction(() => /triangle\.gltf stands on the hand/.test(said.textContent));
+  await page.setInputFiles('#file', { name: 'chosen.gltf', mimeType: '', buffer: Buffer.from(JSON.stringify(triangle)) });
+  await page.waitForFunction(() => /chosen\.gltf stands on the hand/.test(said.textContent));
+  assert.equal(await page.inputValue('#file'), '', 'the same file can be chosen again');
   await drop('hand.json', '{}');
   await page.waitForFunction(() => /hand\.json: format is not handyar-hand/.test(said.textContent));
   await drop('camera.yml', 'image_width: 640');
