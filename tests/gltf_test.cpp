@@ -47,8 +47,9 @@ class GltfFile : public testing::Test {
       all += R"(, {"mesh": 0})";
     }
     std::ofstream(folder_ / "m.gltf")
-        << R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [)" << list
-        << R"(]}], "nodes": [)" << all << R"(],
+        << R"({"asset": {"version": "2.0"},
+      "extensionsUsed": ["KHR_materials_pbrSpecularGlossiness"], "scene": 0, "scenes": [{"nodes": [)"
+        << list << R"(]}], "nodes": [)" << all << R"(],
       "meshes": [{"primitives": [{"attributes": {"POSITION": 0)"
         << attributes << R"(}, "material": 0}]}], "materials": [)" << material << R"(],
       "textures": [{"source": 0}, {"source": 1}],
@@ -103,6 +104,16 @@ TEST_F(GltfFile, RoughnessAndMetalAreThoseOfTheTextureInTheMean) {
   const Model plain = read(R"({"pbrMetallicRoughness": {"metallicFactor": 0}})", "");
   EXPECT_EQ(plain.meshes.at(0).material.roughness, 1);
   EXPECT_EQ(plain.meshes[0].material.metallic, 0);
+}
+
+TEST_F(GltfFile, WhatIsToldByItsGlossIsNoMetal) {
+  const Model model = read(R"({"extensions": {"KHR_materials_pbrSpecularGlossiness":
+                               {"diffuseFactor": [0.5, 0.5, 0.5, 1], "glossinessFactor": 0.25}}})",
+                           "");
+  const Material& material = model.meshes.at(0).material;
+  EXPECT_EQ(material.roughness, 0.75f);
+  EXPECT_EQ(material.metallic, 0);
+  EXPECT_NEAR(material.colour.y(), std::pow(0.5, 1 / 2.2), 1e-5);
 }
 
 TEST_F(GltfFile, NamesOfFilesAreReadAsUris) {

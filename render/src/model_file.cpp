@@ -86,8 +86,20 @@ std::string gltf_mode(const aiMaterial& material) {
 }
 
 // glTF states linear light; everything here is sRGB.
-Eigen::Vector3f srgb(const aiColor4D& linear) {
-  return Eigen::Vector3f(linear.r, linear.g, linear.b).array().max(0).pow(1 / 2.2f);
+Eigen::Vector3f srgb(const aiColor4D& colour, bool linear) {
+  const Eigen::Vector3f stated(colour.r, colour.g, colour.b);
+  if (!linear) return stated;
+  return stated.array().max(0).pow(1 / 2.2f);
+}
+
+// In older files of glTF a diffuse colour and this tell what is no metal; what the newer way says
+// is then assimp's invention.
+std::optional<float> glossiness_of(const aiMaterial& material) {
+  float glossiness = 0;
+  if (gltf_mode(material).empty() ||
+      material.Get(AI_MATKEY_GLOSSINESS_FACTOR, glossiness) != aiReturn_SUCCESS)
+    return std::nullopt;
+  return glossiness;
 }
 
 // Of the texture that colours a material: its file, and which of a mesh's coordinates lay it.
@@ -122,6 +134,10 @@ void read_surface(const aiScene& scene, const aiMaterial& in, const fs::path& mo
       in.Get(AI_MATKEY_SHININESS, shininess) == aiReturn_SUCCESS && shininess > 0)
     out.roughness = std::sqrt(2 / (shininess + 2));
   in.Get(AI_MATKEY_METALLIC_FACTOR, out.metallic);
+  if (const auto glossiness = glossiness_of(in)) {
+    out.roughness = 1 - *glossiness;
+    out.metallic = 0;
+  }
   aiString file;
   if (gltf_mode(in).empty() ||
       in.GetTexture(AI_MATKEY_GLTF_PBRMETALLICROUGHNESS_METALLICROUGHNESS_TEXTURE, &file) !=
@@ -135,10 +151,10 @@ void read_surface(const aiScene& scene, const aiMaterial& in, const fs::path& mo
 Material read_material(const aiScene& scene, const aiMaterial& in, const fs::path& model) {
   Material out;
   aiColor4D colour;
-  if (in.Get(AI_MATKEY_BASE_COLOR, colour) == aiReturn_SUCCESS)
-    out.colour = srgb(colour);
+  if (!glossiness_of(in) && in.Get(AI_MATKEY_BASE_COLOR, colour) == aiReturn_SUCCESS)
+    out.colour = srgb(colour, true);
   else if (in.Get(AI_MATKEY_COLOR_DIFFUSE, colour) == aiReturn_SUCCESS)
-    out.colour = {colour.r, colour.g, colour.b};
+    out.colour = srgb(colour, !gltf_mode(in).empty());
   read_surface(scene, in, model, out);
   out.texture = read_texture(scene, in, model);
   return out;
@@ -146,14 +162,11 @@ Material read_material(const aiScene& scene, const aiMaterial& in, const fs::pat
 
 Mesh read_mesh(const aiMesh& in, const aiMaterial& material, const Mesh::Moment& first) {
   Mesh out;
-  const bool linear_light = !gltf_mode(material).empty();
+  const bool linear = !gltf_mode(material).empty();
   const unsigned coordinates = colour_texture_of(material).value_or(ColourTexture{}).coordinates;
   for (unsigned i = 0; i < in.mNumVertices; ++i) {
     Vertex v{first.positions[i], first.normals[i]};
-    if (in.HasVertexColors(0)) {
-      const aiColor4D& colour = in.mColors[0][i];
-      v.colour = linear_light ? srgb(colour) : Eigen::Vector3f(colour.r, colour.g, colour.b);
-    }
+    if (in.HasVertexColors(0)) v.colour = srgb(in.mColors[0][i], linear);
     if (in.HasTextureCoords(coordinates))
       v.uv = {in.mTextureCoords[coordinates][i].x, in.mTextureCoords[coordinates][i].y};
     out.vertices.push_back(v);
