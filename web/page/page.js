@@ -17,6 +17,7 @@ const canvas = hand.renderer.domElement;
 
 let mixer = null;       // of a model that moves
 let teller = new Teller();
+let runs = 0;           // how often something was begun or ended
 let recorded = false;   // a recorded hand is watched
 let recorded_url = null;
 let measuring = false;
@@ -41,16 +42,20 @@ function show(running) {
   say('');
 }
 
+/** `begin` gets a function that tells whether nothing else was begun, or all ended, since. */
 async function start(begin) {
+  const run = ++runs, current = () => run === runs;
+  hand.stop();
   $('fault').hidden = true;
   teller = new Teller();
   try {
     say('Starting…');
-    await begin();
+    await begin(current);
+    if (!current()) return;
     show(true);
     mirror(!recorded && hand.facing === 'user');
   } catch (error) {
-    fail(error);
+    if (current()) fail(error);
   }
 }
 
@@ -67,9 +72,9 @@ function startCamera() {
 
 function watchRecorded() {
   recorded = true;
-  return start(async () => {
+  return start(async (current) => {
     recorded_url ??= URL.createObjectURL(await (await fetch('recorded_hand.mp4')).blob());
-    await hand.start(recorded_url);
+    if (current()) await hand.start(recorded_url);
   });
 }
 
@@ -79,6 +84,7 @@ async function switchCamera() {
 }
 
 function stop() {
+  ++runs;
   hand.stop();
   show(false);
 }

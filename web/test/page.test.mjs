@@ -104,6 +104,43 @@ test('without a camera there is a recorded hand', { skip }, () => withPage({}, a
   assert.equal(await page.isVisible('#fault'), false);
 }));
 
+/** Lets the page wait for its camera until `window.giveCamera()`. */
+const holdCamera = (page) => page.evaluate(() => {
+  const devices = navigator.mediaDevices, give = devices.getUserMedia.bind(devices);
+  devices.getUserMedia = (wanted) => new Promise((resolve) => {
+    window.giveCamera = async () => {
+      const stream = await give(wanted);
+      resolve(stream);
+      await new Promise((settled) => setTimeout(settled));
+    };
+  });
+});
+
+test('a recorded hand is watched by who does not answer for the camera', { skip }, () =>
+  withPage({ camera }, async (page) => {
+    await note(page);
+    await holdCamera(page);
+    await page.click('#start');
+    await page.click('#watch');
+    await poses(page, 3);
+    await page.evaluate(() => window.giveCamera());
+    await poses(page, 3);
+    assert.equal(await page.isVisible('#welcome'), false);
+  }));
+
+test('what was stopped while it waited for another camera stays so', { skip }, () =>
+  withPage({ camera }, async (page) => {
+    await note(page);
+    await page.click('#start');
+    await poses(page, 1);
+    await holdCamera(page);
+    await page.click('#switch');
+    await page.waitForFunction(() => window.giveCamera);
+    await page.click('#stop');
+    await page.evaluate(() => window.giveCamera());
+    assert.equal(await page.isVisible('#welcome'), true);
+  }));
+
 test('hidden and shown again, it goes on', { skip }, () => withPage({ camera }, async (page) => {
   await note(page);
   await page.click('#start');
