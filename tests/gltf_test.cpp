@@ -143,5 +143,39 @@ TEST_F(GltfFile, ATextureLiesWhereTheCoordinatesThatItNamesHaveIt) {
   EXPECT_TRUE(third_corner(R"(, "texCoord": 1)").isApprox(Eigen::Vector2f(0.5, 0.5)));
 }
 
+TEST_F(GltfFile, CornersThatLieTogetherFollowTheirOwnBones) {
+  // Two triangles side by side, each on a bone of its own; the second bone is 3 higher than it was.
+  std::string buffer;
+  const auto add = [&](std::initializer_list<float> numbers) {
+    buffer.append(reinterpret_cast<const char*>(numbers.begin()), numbers.size() * sizeof(float));
+  };
+  add({0, 0, 0, 2, 0, 0, 0, 1, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0});
+  for (int corner = 0; corner < 6; ++corner) add({1, 0, 0, 0});
+  for (const char joint : {0, 0, 0, 1, 1, 1}) buffer.append({joint, 0, 0, 0});
+  for (int joint = 0; joint < 2; ++joint) add({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+  std::ofstream(folder_ / "boned.bin", std::ios::binary) << buffer;
+  std::ofstream(folder_ / "boned.gltf") << R"({"asset": {"version": "2.0"}, "scene": 0,
+      "scenes": [{"nodes": [0, 1, 2]}],
+      "nodes": [{"mesh": 0, "skin": 0}, {"name": "low"}, {"name": "high", "translation": [0, 3, 0]}],
+      "skins": [{"joints": [1, 2], "inverseBindMatrices": 3}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "WEIGHTS_0": 1, "JOINTS_0": 2}}]}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 6, "type": "VEC3"},
+        {"bufferView": 1, "componentType": 5126, "count": 6, "type": "VEC4"},
+        {"bufferView": 2, "componentType": 5121, "count": 6, "type": "VEC4"},
+        {"bufferView": 3, "componentType": 5126, "count": 2, "type": "MAT4"}],
+      "bufferViews": [{"buffer": 0, "byteLength": 72},
+        {"buffer": 0, "byteOffset": 72, "byteLength": 96},
+        {"buffer": 0, "byteOffset": 168, "byteLength": 24},
+        {"buffer": 0, "byteOffset": 192, "byteLength": 128}],
+      "buffers": [{"uri": "boned.bin", "byteLength": 320}]})";
+  const Model model = load_model(folder_ / "boned.gltf");
+  const Mesh& mesh = model.meshes.at(0);
+  ASSERT_EQ(mesh.indices.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const float z = mesh.vertices.at(mesh.indices[i]).position.z();
+    EXPECT_TRUE(i < 3 ? z >= 0 && z <= 1 : z >= 3 && z <= 4) << "corner " << i << " at " << z;
+  }
+}
+
 }  // namespace
 }  // namespace handyar::render

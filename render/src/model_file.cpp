@@ -214,6 +214,11 @@ bool has_broken_face(const aiScene& scene) {
   return false;
 }
 
+bool has_bones(const aiScene& scene) {
+  return std::any_of(scene.mMeshes, scene.mMeshes + scene.mNumMeshes,
+                     [](const aiMesh* mesh) { return mesh->HasBones(); });
+}
+
 // Of what is drawn, at all times.
 bool all_finite(const Model& model) {
   return std::all_of(model.meshes.begin(), model.meshes.end(), [](const Mesh& mesh) {
@@ -239,10 +244,11 @@ Model load_model(const fs::path& path) {
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(path.string(), 0);
   if (scene && has_broken_face(*scene)) fail(path, "has a face with a corner that is not there");
-  if (scene)
-    scene = importer.ApplyPostProcessing(
-        aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
-        aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs | aiProcess_FindDegenerates);
+  unsigned steps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
+                   aiProcess_FlipUVs | aiProcess_FindDegenerates;
+  // Of corners that it joins assimp adds up the weights that bones have on them.
+  if (scene && !has_bones(*scene)) steps |= aiProcess_JoinIdenticalVertices;
+  if (scene) scene = importer.ApplyPostProcessing(steps);
   if (!scene) fail(path, "cannot be read as a model: " + first_line(importer.GetErrorString()));
   std::vector<Use> uses;
   find_uses(*scene, *scene->mRootNode, uses);
