@@ -58,11 +58,6 @@ int main(void) {
   FIELD(point, inferred);
   END();
 
-  BEGIN(finger);
-  FIELD(finger, abduction_rad);
-  FIELD(finger, flexion_rad);
-  END();
-
   BEGIN(result);
   FIELD(result, size);
   FIELD(result, state);
@@ -77,7 +72,6 @@ int main(void) {
   FIELD(result, rms_px);
   FIELD(result, palm_centre_m);
   FIELD(result, tips);
-  FIELD(result, fingers);
   FIELD(result, gesture);
   FIELD(result, gesture_event);
   FIELD(result, has_held_pose);
