@@ -33,7 +33,7 @@ py::array_t<std::uint8_t> array(const cv::Mat& bgr) {
                                    bgr.data, owner);
 }
 
-// What names a file: such names are bytes, and Python has its own way to write those that are no text.
+// File names are bytes; Python has a way of its own to write those that are no text.
 py::object text_of(const std::string& bytes) {
   return py::reinterpret_steal<py::object>(PyUnicode_DecodeFSDefault(bytes.c_str()));
 }
