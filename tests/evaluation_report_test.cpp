@@ -363,6 +363,39 @@ TEST(Footage, TreeIsJudgedSequenceBySequence) {
   EXPECT_TRUE(fs::exists(folder / "report/worst-1.jpg"));
 }
 
+TEST(Footage, WhatIsNotKnownToBeHandlessIsNotSaidToBe) {
+  const TemporaryFolder folder;
+  const fs::path tree = folder / "tree";
+  fs::create_directories(tree / "own");
+  fs::copy(io::data_file("wall/video.mp4"), tree / "own" / "video.mp4");
+  fs::copy(io::data_file("wall/video.mp4"), tree / "glimpse.mp4");
+  std::ofstream list(tree / "open_frames.csv");
+  list << "clip,frame,open,thumb_x,thumb_y,index_x,index_y,middle_x,middle_y,ring_x,ring_y,"
+          "little_x,little_y\n";
+  for (int frame = 40; frame < 46; ++frame)
+    list << "glimpse.mp4," << frame << ",1,10,50,30,20,40,10,50,20,60,40\n";
+  list.close();
+
+  std::vector<FootageFigures> figures;
+  for (const Footage& f : find_footage(tree, {})) figures.push_back(measure(f));
+  ASSERT_EQ(figures.size(), 2u);
+  EXPECT_EQ(figures[0].name, "glimpse");
+  EXPECT_EQ(figures[0].open_frames, 0) << "none has been in view for long";
+  EXPECT_EQ(figures[0].handless_frames, figures[0].frames - 6);
+  EXPECT_EQ(figures[1].name, "own");
+  EXPECT_GT(figures[1].frames, 100);
+  EXPECT_EQ(figures[1].handless_frames, 0);
+  EXPECT_EQ(figures[1].falsely_tracked, 0);
+
+  fs::create_directories(folder / "report");
+  const std::string text = write_distribution(folder / "report", figures);
+  EXPECT_NE(text.find("tree/own: nothing is known of it."), std::string::npos) << text;
+  EXPECT_NE(text.find("glimpse: " + std::to_string(figures[0].falsely_tracked) + " of "),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("far off"), std::string::npos) << "no truth tells";
+}
+
 TEST(Footage, EmptyTreeAndMissingClipAreRefusedByName) {
   const TemporaryFolder folder;
   const fs::path tree = folder / "tree";

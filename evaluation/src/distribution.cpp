@@ -64,7 +64,8 @@ std::string row(const Column& c, const Figures& figures) {
 
 std::string group_table(const std::string& group, const Figures& figures) {
   int open = 0, right = 0, wrong = 0, other = 0, handless = 0, falsely = 0, changes = 0;
-  int jumps = 0, unsound = 0, right_as_sound = 0, wrong_as_sound = 0, shown_changes = 0;
+  int jumps = 0, right_as_sound = 0, wrong_as_sound = 0, shown_changes = 0;
+  std::optional<int> unsound;
   for (const FootageFigures* f : figures) {
     open += f->open_frames;
     right += f->right;
@@ -77,36 +78,54 @@ std::string group_table(const std::string& group, const Figures& figures) {
     changes += f->state_changes;
     shown_changes += f->shown_changes;
     jumps += f->jumps;
-    unsound += f->unsound;
+    if (f->unsound) unsound = unsound.value_or(0) + *f->unsound;
   }
-  std::string text =
-      "## " + group + "\n\n" + std::to_string(figures.size()) + " sequences. Of " +
-      std::to_string(open) + " frames with an open hand in view, " + std::to_string(right) +
-      " rightly and " + std::to_string(wrong) + " wrongly tracked (" +
-      std::to_string(right_as_sound) + " and " + std::to_string(wrong_as_sound) +
-      " of these not said to be doubtful), " + std::to_string(other) + " on a second hand; " +
-      std::to_string(changes) + " changes of state between them, " +
-      number(open > 0 ? 100.0 * changes / open : kUnknown, 1) +
-      " in a hundred; an object on it comes or goes " + std::to_string(shown_changes) +
-      " times. Of poses shown as sound, " + std::to_string(jumps) +
-      " leap by over a fifth of the distance and " + std::to_string(unsound) +
-      " are by truth far off. Of " + std::to_string(handless) +
-      " frames without an outstretched hand, " + std::to_string(falsely) +
-      " tracked.\n\n| over sequences | median | worst tenth | worst |\n"
-      "| --- | --: | --: | --: |\n";
+  std::string text = "## " + group + "\n\nSequences: " + std::to_string(figures.size()) + ". Of " +
+                     std::to_string(open) + " frames with an open hand in view, " +
+                     std::to_string(right) + " rightly and " + std::to_string(wrong) +
+                     " wrongly tracked (" + std::to_string(right_as_sound) + " and " +
+                     std::to_string(wrong_as_sound) + " of these not said to be doubtful), " +
+                     std::to_string(other) + " on a second hand; " + std::to_string(changes) +
+                     " changes of state between them" +
+                     (open > 0 ? ", " + number(100.0 * changes / open, 1) + " in a hundred" : "") +
+                     "; an object on it comes or goes " + std::to_string(shown_changes) +
+                     " times. Of poses shown as sound, " + std::to_string(jumps) +
+                     " leap by over a fifth of the distance" +
+                     (unsound ? " and " + std::to_string(*unsound) + " are by truth far off" : "") +
+                     ". Of " + std::to_string(handless) + " frames without an outstretched hand, " +
+                     std::to_string(falsely) +
+                     " tracked.\n\n| over sequences | median | worst tenth | worst |\n"
+                     "| --- | --: | --: | --: |\n";
   for (const Column& c : kColumns) text += row(c, figures);
   return text + "\n";
 }
 
-/// The worse one first: fewer open frames right, then the larger error of the pose.
+/// The worse one first: fewer frames as they should be, then the larger error of the pose; last
+/// those that cannot be judged.
 bool is_worse(const FootageFigures& a, const FootageFigures& b) {
   const auto right = [](const FootageFigures& f) {
-    return f.open_frames ? f.right_percent() : 101;
+    if (f.open_frames) return f.right_percent();
+    return f.handless_frames ? 100.0 - 100.0 * f.falsely_tracked / f.handless_frames : 101.0;
   };
   const auto error = [](const FootageFigures& f) {
     return std::isfinite(f.rotation_deg.p95) ? f.rotation_deg.p95 : 0.0;
   };
   return right(a) != right(b) ? right(a) < right(b) : error(a) > error(b);
+}
+
+/// What a sequence came to, in a few words.
+std::string verdict(const FootageFigures& f) {
+  if (f.open_frames) {
+    const Summary& r = f.rotation_deg;
+    return number(f.right_percent(), 1) + " % rightly tracked" +
+           (std::isfinite(r.p95)
+                ? ", rotation " + number(r.median, 1) + " / " + number(r.p95, 1) + " deg"
+                : "");
+  }
+  if (f.handless_frames)
+    return std::to_string(f.falsely_tracked) + " of " + std::to_string(f.handless_frames) +
+           " frames without an outstretched hand tracked";
+  return "nothing is known of it";
 }
 
 std::string sequences_csv(const std::vector<FootageFigures>& figures) {
@@ -120,8 +139,9 @@ std::string sequences_csv(const std::vector<FootageFigures>& figures) {
     text += csv_field(f.group) + "," + csv_field(f.name);
     for (const int n : {f.frames, f.open_frames, f.right, f.wrong, f.right_as_sound,
                         f.wrong_as_sound, f.on_other_hand, f.handless_frames, f.falsely_tracked,
-                        f.state_changes, f.shown_changes, f.jumps, f.unsound})
+                        f.state_changes, f.shown_changes, f.jumps})
       text += "," + std::to_string(n);
+    text += "," + (f.unsound ? std::to_string(*f.unsound) : "");
     for (const Column& c : kColumns) text += "," + csv_number(c.value(f));
     text += "\n";
   }
@@ -146,12 +166,8 @@ std::string write_distribution(const std::string& folder,
     const FootageFigures& f = *worst[i];
     const std::string file = "worst-" + std::to_string(i + 1) + ".jpg";
     io::write_text(folder + "/" + file, {f.worst_jpeg.begin(), f.worst_jpeg.end()});
-    text += std::to_string(i + 1) + ". " + f.group + "/" + f.name + ": " +
-            number(f.right_percent(), 1) + " % rightly tracked" +
-            (std::isfinite(f.rotation_deg.p95) ? ", rotation " + number(f.rotation_deg.median, 1) +
-                                                     " / " + number(f.rotation_deg.p95, 1) + " deg"
-                                               : "") +
-            ". ![" + f.worst_caption + "](" + file + ")\n";
+    text += std::to_string(i + 1) + ". " + f.group + "/" + f.name + ": " + verdict(f) + ". ![" +
+            f.worst_caption + "](" + file + ")\n";
   }
   io::write_text(folder + "/sequences.csv", sequences_csv(figures));
   io::write_text(folder + "/distribution.md", text);

@@ -36,11 +36,12 @@ std::vector<Footage> read_clips(const fs::path& list, const std::string& group,
     const std::string& name = frames.field(row, "clip");
     auto at = clips.find(name);
     if (at == clips.end())
-      at =
-          clips.emplace(name, Footage{group, open_sequence(list.parent_path() / name, options), {}})
-              .first;
+      at = clips
+               .emplace(name, Footage{group, open_sequence(list.parent_path() / name, options),
+                                      std::map<int, TipsPx>()})
+               .first;
     if (frames.field(row, "open") != "1") continue;
-    at->second.open_tips_px[int(frames.number(row, "frame"))] = frames.tips_px(row);
+    (*at->second.open_tips_px)[int(frames.number(row, "frame"))] = frames.tips_px(row);
   }
   std::vector<Footage> all;
   for (auto& [name, clip] : clips) all.push_back(std::move(clip));
@@ -106,14 +107,16 @@ class Counter {
 void measure_rendered(const Analysis& a, FootageFigures& f) {
   const std::vector<FrameError>& errors = a.main_track().errors;
   Counter counter(f);
+  int unsound = 0;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     const TrackResult& r = a.recording.main_track().results[i];
     const FrameError& e = errors[i];
     counter.add(r, e.eligible, e.right(), e.on_other_hand);
-    f.unsound += is_shown_as_sound(r) && !e.on_other_hand &&
-                 (e.no_open_hand || e.filtered.rotation_deg > kFarOff_deg ||
-                  e.filtered.translation_percent > 100 * kFarOffOfDistance);
+    unsound += is_shown_as_sound(r) && !e.on_other_hand &&
+               (e.no_open_hand || e.filtered.rotation_deg > kFarOff_deg ||
+                e.filtered.translation_percent > 100 * kFarOffOfDistance);
   }
+  f.unsound = unsound;
   counter.finish();
   const Accuracy all = summarize(errors);
   f.handless_frames = all.no_open_hand;
@@ -139,31 +142,40 @@ std::vector<Recording> begun_anew(const Recording& whole, int begins) {
 }
 
 /// Of a clip that is begun as often as it has recordings.
-void measure_clip(const Footage& footage, const std::vector<Recording>& recordings,
-                  FootageFigures& f) {
+void measure_clip(const std::map<int, TipsPx>& open_tips_px,
+                  const std::vector<Recording>& recordings, FootageFigures& f) {
   Counter counter(f);
   std::vector<double> of_span;
-  int tracked = 0;
+  int not_open = 0, tracked = 0;
   for (const Recording& recording : recordings) {
     const std::vector<TrackResult>& results = recording.main_track().results;
     counter.begin_anew();
     int seen = 0;
     for (std::size_t i = 0; i < results.size(); ++i) {
-      const auto tips = footage.open_tips_px.find(int(recording.frame_index[i]));
-      seen = tips == footage.open_tips_px.end() ? 0 : seen + 1;
+      const auto tips = open_tips_px.find(int(recording.frame_index[i]));
+      const bool named_open = tips != open_tips_px.end();
+      seen = named_open ? seen + 1 : 0;
       const bool open = seen > kRegainFrames;
       const TipErrors errors = open ? tip_errors(results[i].tips, tips->second) : TipErrors{};
       counter.add(results[i], open, errors.right(), false);
       if (errors.right())
         for (const double px : errors.px) of_span.push_back(px / errors.span_px);
-      tracked += results[i].state == State::tracking;
+      not_open += !named_open;
+      tracked += !named_open && results[i].state == State::tracking;
     }
   }
   counter.finish();
   f.tip_of_span = summarize(of_span);
   if (f.open_frames > 0) return;
-  f.handless_frames = f.frames;
+  f.handless_frames = not_open;
   f.falsely_tracked = tracked;
+}
+
+/// Speed and steadiness are all that can be said of it.
+void measure_unknown(const Recording& recording, FootageFigures& f) {
+  Counter counter(f);
+  for (const TrackResult& r : recording.main_track().results) counter.add(r, false, false, false);
+  counter.finish();
 }
 
 }  // namespace
@@ -194,8 +206,10 @@ FootageFigures measure(const Footage& footage, int begins) {
   f.broken_off = a.recording.broken_off;
   if (a.has_truth())
     measure_rendered(a, f);
+  else if (footage.open_tips_px)
+    measure_clip(*footage.open_tips_px, begun_anew(a.recording, begins), f);
   else
-    measure_clip(footage, begun_anew(a.recording, begins), f);
+    measure_unknown(a.recording, f);
   for (Picture& p : take_pictures(a)) {
     if (!f.worst_jpeg.empty() && !p.worst) continue;
     f.worst_caption = p.caption;

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,8 @@ namespace handyar::evaluation {
 struct Footage {
   std::string group;  ///< the folder above, from the tree's root
   Sequence sequence;
-  std::map<int, TipsPx> open_tips_px;  ///< by frame; of a clip
+  /// By frame; of a clip that a list names. Without this and without truth nothing can be judged.
+  std::optional<std::map<int, TipsPx>> open_tips_px;
 };
 
 /// All of a tree, in the order of their paths. Throws io::Error, also when there is none.
@@ -31,16 +33,18 @@ std::vector<Footage> find_footage(const std::filesystem::path& tree,
 struct FootageFigures {
   std::string group, name;
   int frames = 0, open_frames = 0, right = 0, wrong = 0;
-  int right_as_sound = 0, wrong_as_sound = 0;    ///< of these, those not said to be doubtful
-  int on_other_hand = 0;                         ///< open frames in which a second hand is tracked
-  int handless_frames = 0, falsely_tracked = 0;  ///< a clip that never shows an open hand: all
-  int state_changes = 0;                         ///< between open frames
+  int right_as_sound = 0, wrong_as_sound = 0;  ///< of these, those not said to be doubtful
+  int on_other_hand = 0;                       ///< open frames in which a second hand is tracked
+  /// Of a clip without open frames all that its list does not name open.
+  int handless_frames = 0, falsely_tracked = 0;
+  int state_changes = 0;  ///< between open frames
   int shown_changes = 0;  ///< between these, how often an object on the hand comes or goes
   /// Of two frames in a row that are shown as sound (tracked, not doubtful): how often the hand
   /// leaps by more than a fifth of its distance.
   int jumps = 0;
-  int unsound = 0;  ///< shown as sound, though there truly is no open hand, or the pose is off by
-                    ///< more than 25 degrees or a fifth of the distance
+  /// Shown as sound, though there truly is no open hand, or the pose is off by more than 25 degrees
+  /// or a fifth of the distance; empty without truth.
+  std::optional<int> unsound;
   Summary rotation_deg, translation_percent, tip_of_span;
   Summary abduction_deg, flexion_deg;  ///< mean of the five fingers, where they live
   double palm_within_8px = kUnknown, nees_within_95 = kUnknown;  ///< shares
