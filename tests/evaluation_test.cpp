@@ -282,6 +282,24 @@ TEST(Dynamics, JitterIsTheSpreadOfTheErrorNotItsMean) {
   EXPECT_NEAR(j.rotation_deg, 0.1 * std::sqrt(3), 0.015);
 }
 
+TEST(Dynamics, AnAssumedSizeOfTheHandIsNoJitter) {
+  const Truth truth = make_truth(100, [](double frame) {
+    Eigen::Isometry3d T = hand_at(0);
+    T.translation().z() += 5e-4 * frame;  // slowly away
+    return T;
+  });
+  HandModel small = truth.hand;
+  small.source = HandSource::average_adult;
+  small.tips_m *= 0.8;
+  std::vector<TrackResult> track = exact_track(truth);
+  for (TrackResult& r : track) r.pose->T_camera_hand.translation() *= 0.8;
+  const std::vector<FrameError> errors = compare(truth, small, track);
+  EXPECT_LT(summarize(errors).translation_mm.max, 1e-6);
+  const Jitter j = jitter(truth, right_poses(truth, small, track, errors, true));
+  EXPECT_EQ(j.frames, 100);
+  EXPECT_LT(j.translation_mm, 1e-6);
+}
+
 TEST(Dynamics, RecoveriesAreTimedFromWhenTheHandCouldBeSeen) {
   Truth truth = make_truth(200);
   std::vector<TrackResult> track = exact_track(truth);

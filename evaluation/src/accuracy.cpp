@@ -38,6 +38,14 @@ Eigen::Isometry3d turned_about_y() {
   return T;
 }
 
+double scale_to_truth(const Truth& truth, const HandModel& hand) {
+  if (!hand.scale_assumed()) return 1;
+  const auto size_m = [](const Eigen::Matrix3Xd& tips_m) {
+    return (tips_m.colwise() - tips_m.rowwise().mean()).norm();
+  };
+  return size_m(truth.hand.tips_m) / size_m(hand.tips_m);
+}
+
 void compare_fingers(const TruthFrame& truth, const TrackResult& result, FrameError& e) {
   if (!truth.fingers) return;
   e.abduction_deg = e.flexion_deg = 0;
@@ -53,10 +61,7 @@ void compare_fingers(const TruthFrame& truth, const TrackResult& result, FrameEr
 
 class Comparison {
  public:
-  Comparison(const Truth& truth, const HandModel& hand)
-      : truth_(truth),
-        T_model_true_(T_true_model(truth, hand).inverse()),
-        scale_(scale_to_truth(truth, hand)) {}
+  Comparison(const Truth& truth, const HandModel& hand) : truth_(truth), true_hand_(truth, hand) {}
 
   FrameError operator()(const TruthFrame& f, const TrackResult& r) const {
     FrameError e;
@@ -72,18 +77,14 @@ class Comparison {
         !e.tips.right() && f.other_tips_px && tip_errors(r.tips, *f.other_tips_px).right();
     e.wrong = !e.tips.right() && !e.on_other_hand;
     compare_fingers(f, r, e);
-    const Eigen::Isometry3d turn = f.other_face ? turned_about_y() : Eigen::Isometry3d::Identity();
-    const Eigen::Isometry3d T_model_hand = turn * T_model_true_ * turn.inverse();
     if (r.raw_pose) {
-      const auto pose = scaled(*r.raw_pose);
-      const Eigen::Isometry3d T = pose.T_camera_hand * T_model_hand;
-      e.raw = pose_error(T, pose.covariance, f.T_camera_hand);
+      const Eigen::Isometry3d T = true_hand_.T_camera_hand(f, r.raw_pose->T_camera_hand);
+      e.raw = pose_error(T, scaled(r.raw_pose->covariance), f.T_camera_hand);
       e.board_raw_px = board_px(f, T);
     }
     if (r.pose) {
-      const auto pose = scaled(*r.pose);
-      const Eigen::Isometry3d T = pose.T_camera_hand * T_model_hand;
-      e.filtered = pose_error(T, pose.covariance, f.T_camera_hand);
+      const Eigen::Isometry3d T = true_hand_.T_camera_hand(f, r.pose->T_camera_hand);
+      e.filtered = pose_error(T, scaled(r.pose->covariance), f.T_camera_hand);
       e.board_filtered_px = board_px(f, T);
       const Eigen::Vector3d palm_m = truth_.hand.palm_centre_m();
       e.palm_px =
@@ -94,12 +95,10 @@ class Comparison {
   }
 
  private:
-  template <typename Pose>
-  Pose scaled(Pose pose) const {
-    pose.T_camera_hand.translation() *= scale_;
-    pose.covariance.template bottomRows<3>() *= scale_;
-    pose.covariance.template rightCols<3>() *= scale_;
-    return pose;
+  Matrix6d scaled(Matrix6d covariance) const {
+    covariance.bottomRows<3>() *= true_hand_.scale();
+    covariance.rightCols<3>() *= true_hand_.scale();
+    return covariance;
   }
 
   double board_px(const TruthFrame& f, const Eigen::Isometry3d& T_camera_hand) const {
@@ -112,8 +111,7 @@ class Comparison {
   }
 
   const Truth& truth_;
-  Eigen::Isometry3d T_model_true_;
-  double scale_;
+  TrueHand true_hand_;
 };
 
 Summary summarize_counted(std::span<const FrameError> errors,
@@ -150,19 +148,19 @@ bool TipErrors::right() const {
                      [this](double error_px) { return error_px <= kWrongOfSpan * span_px; });
 }
 
-Eigen::Isometry3d T_true_model(const Truth& truth, const HandModel& hand) {
-  if (hand.source == HandSource::truth) return Eigen::Isometry3d::Identity();
-  const Eigen::Matrix3Xd tips_m =
-      scale_to_truth(truth, hand) * hand.for_layout(truth.hand.layout).tips_m;
-  return rigid_fit(tips_m, truth.hand.tips_m);
+TrueHand::TrueHand(const Truth& truth, const HandModel& model)
+    : scale_(scale_to_truth(truth, model)), T_model_hand_(Eigen::Isometry3d::Identity()) {
+  if (model.source == HandSource::truth) return;
+  const Eigen::Matrix3Xd tips_m = scale_ * model.for_layout(truth.hand.layout).tips_m;
+  T_model_hand_ = rigid_fit(tips_m, truth.hand.tips_m).inverse();
 }
 
-double scale_to_truth(const Truth& truth, const HandModel& hand) {
-  if (!hand.scale_assumed()) return 1;
-  const auto size_m = [](const Eigen::Matrix3Xd& tips_m) {
-    return (tips_m.colwise() - tips_m.rowwise().mean()).norm();
-  };
-  return size_m(truth.hand.tips_m) / size_m(hand.tips_m);
+Eigen::Isometry3d TrueHand::T_camera_hand(const TruthFrame& frame,
+                                          Eigen::Isometry3d T_camera_model) const {
+  T_camera_model.translation() *= scale_;
+  const Eigen::Isometry3d turn =
+      frame.other_face ? turned_about_y() : Eigen::Isometry3d::Identity();
+  return T_camera_model * turn * T_model_hand_ * turn.inverse();
 }
 
 std::vector<FrameError> compare(const Truth& truth, const HandModel& hand,

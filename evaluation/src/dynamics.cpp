@@ -83,15 +83,14 @@ double correlation(const Truth& truth, const Steps& steps, double lag_frames) {
 
 Poses right_poses(const Truth& truth, const HandModel& hand, std::span<const TrackResult> track,
                   std::span<const FrameError> errors, bool filtered) {
-  const Eigen::Isometry3d T_model_true = T_true_model(truth, hand).inverse();
+  const TrueHand true_hand(truth, hand);
   Poses poses(std::min(track.size(), truth.frames.size()));
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!errors[i].right() || !errors[i].visible) continue;
-    Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
-    if (truth.frames[i].other_face) turn.linear() = Eigen::Vector3d(-1, 1, -1).asDiagonal();
-    const Eigen::Isometry3d T_model_hand = turn * T_model_true * turn.inverse();
-    if (filtered && track[i].pose) poses[i] = track[i].pose->T_camera_hand * T_model_hand;
-    if (!filtered && track[i].raw_pose) poses[i] = track[i].raw_pose->T_camera_hand * T_model_hand;
+    const auto lay = [&](const auto& pose) {
+      if (pose) poses[i] = true_hand.T_camera_hand(truth.frames[i], pose->T_camera_hand);
+    };
+    filtered ? lay(track[i].pose) : lay(track[i].raw_pose);
   }
   return poses;
 }

@@ -65,13 +65,21 @@ struct FrameError {
   bool counted() const { return eligible && right(); }
 };
 
-/// Where the hand truly is, in the frame of the hand model that was used: a calibrated model's
-/// frame is laid on the true one by the best rigid fit of the five tips.
-Eigen::Isometry3d T_true_model(const Truth& truth, const HandModel& hand);
+/// Lays poses of the hand model that was used on the true hand: a calibrated model's frame on the
+/// true one by the best rigid fit of the five tips, and a hand of assumed scale made as large as
+/// the true one, fingertips about their mean.
+class TrueHand {
+ public:
+  TrueHand(const Truth& truth, const HandModel& model);
 
-/// By how much lengths have to be multiplied for a hand of assumed scale to be as large as the true
-/// one, fingertips about their mean; 1 for a measured hand.
-double scale_to_truth(const Truth& truth, const HandModel& hand);
+  /// By how much lengths are multiplied; 1 for a measured hand.
+  double scale() const { return scale_; }
+  Eigen::Isometry3d T_camera_hand(const TruthFrame& frame, Eigen::Isometry3d T_camera_model) const;
+
+ private:
+  double scale_;
+  Eigen::Isometry3d T_model_hand_;
+};
 
 /// Errors of a track, as the hand came to be known, one a frame of the track; frames that truth
 /// does not know are left empty.

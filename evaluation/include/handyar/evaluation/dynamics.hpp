@@ -11,7 +11,7 @@
 namespace handyar::evaluation {
 
 /// The poses of a track where the five tips are visible and it tracks and is not wrong (also before
-/// it must), laid on the true hand frame; `filtered` or raw. A hand that folds its fingers has no
+/// it must), laid on the true hand; `filtered` or raw. A hand that folds its fingers has no
 /// pose to compare.
 Poses right_poses(const Truth& truth, const HandModel& hand, std::span<const TrackResult> track,
                   std::span<const FrameError> errors, bool filtered);
