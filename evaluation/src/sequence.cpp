@@ -25,14 +25,15 @@ void find_camera(Sequence& s, const fs::path& folder, const SequenceOptions& opt
       options.camera_file.empty() ? companion(s, folder, "camera.yml") : options.camera_file;
   const io::SourceInfo info = io::open_input(s.video)->info();
   if (info.live) throw io::Error(s.video, "a live camera cannot be evaluated; record it first");
+  if (s.truth &&
+      (s.truth->camera.width_px != info.width_px || s.truth->camera.height_px != info.height_px))
+    throw io::Error(s.video, "its frames are not of the size that truth.json gives");
   if (!file.empty()) {
     s.camera = io::camera_for_size(io::read_camera(file), info.width_px, info.height_px, file);
     s.origin_of_camera = file;
   } else if (s.truth) {
     s.camera = s.truth->camera;
     s.origin_of_camera = "truth.json";
-    if (s.camera.width_px != info.width_px || s.camera.height_px != info.height_px)
-      throw io::Error(s.video, "its frames are not of the size that truth.json gives");
   } else {
     s.camera = Camera::from_field_of_view(info.width_px, info.height_px);
     s.origin_of_camera = "assumed: 60 degrees across";
