@@ -298,6 +298,19 @@ TEST(Sequences, OnlyAFolderHasItsOwnCameraAndHand) {
   EXPECT_EQ(s.name, "mine") << "every sequence's file is called video";
 }
 
+TEST(Sequences, TruthOfAnotherSizeIsRefusedWhateverTheCamera) {
+  const TemporaryFolder folder;
+  fs::copy(shipped("compare"), folder / "mine");
+  nlohmann::json truth = nlohmann::json::parse(text_of(folder / "mine/truth.json"));
+  truth["width"] = 1280;
+  truth["height"] = 960;
+  std::ofstream(folder / "mine/truth.json") << truth;
+  EXPECT_THROW(open_sequence(folder / "mine", {}), io::Error);
+  SequenceOptions options;
+  options.camera_file = folder / "mine/camera.yml";
+  EXPECT_THROW(open_sequence(folder / "mine", options), io::Error);
+}
+
 TEST(Report, ThePapersBoardErrorsStandBesideBoardErrorsOnly) {
   Analysis a = compare_sequence();
   const auto paper_columns = [&a] {
@@ -394,6 +407,36 @@ TEST(Footage, WhatIsNotKnownToBeHandlessIsNotSaidToBe) {
             std::string::npos)
       << text;
   EXPECT_EQ(text.find("far off"), std::string::npos) << "no truth tells";
+}
+
+TEST(Footage, AListThatCanBeReadInTwoWaysIsRefused) {
+  const TemporaryFolder folder;
+  const fs::path tree = folder / "tree";
+  fs::create_directories(tree);
+  fs::copy(io::data_file("wall/video.mp4"), tree / "a.mp4");
+  const auto complaint = [&](const std::string& rows) -> std::string {
+    std::ofstream(tree / "open_frames.csv")
+        << "clip,frame,open,thumb_x,thumb_y,index_x,index_y,middle_x,middle_y,ring_x,ring_y,"
+           "little_x,little_y\n"
+        << rows;
+    try {
+      find_footage(tree, {});
+    } catch (const io::Error& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::string tips = ",10,50,30,20,40,10,50,20,60,40\n", none = ",,,,,,,,,,\n";
+  const std::string list = (tree / "open_frames.csv").string();
+  EXPECT_EQ(complaint("a.mp4,7,1" + tips + "a.mp4,8,0" + none), "");
+  for (const char* open : {"", "1.0", "True", "yes"})
+    EXPECT_EQ(complaint("a.mp4,7," + std::string(open) + tips),
+              list + ": line 2: open is neither 0 nor 1: \"" + open + "\"");
+  for (const char* frame : {"", "-1", "7.5", "1e10", "seven"})
+    EXPECT_EQ(complaint("a.mp4," + std::string(frame) + ",0" + none),
+              list + ": line 2: frame is not a frame's number: \"" + frame + "\"");
+  EXPECT_EQ(complaint("a.mp4,7,1" + tips + "a.mp4,7,0" + none),
+            list + ": line 3: frame 7 of a.mp4 was there before");
 }
 
 TEST(Footage, EmptyTreeAndMissingClipAreRefusedByName) {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <string_view>
 
 #include "handyar/io/error.hpp"
@@ -26,6 +27,16 @@ std::vector<std::string> split(const std::string& line) {
       fields.back() += c;
   }
   return fields;
+}
+
+/// The number that all of the text is.
+template <typename Number>
+std::optional<Number> number_of(const std::string& text) {
+  Number value{};
+  const char* end = text.data() + text.size();
+  const auto [stop, fault] = std::from_chars(text.data(), end, value);
+  if (fault != std::errc() || stop != end) return std::nullopt;
+  return value;
 }
 
 }  // namespace
@@ -61,21 +72,32 @@ const std::string& AnnotatedList::field(const Row& row, const std::string& colum
   return at->second;
 }
 
-double AnnotatedList::number(const Row& row, const std::string& column) const {
+int AnnotatedList::frame(const Row& row, const std::string& column) const {
   const std::string& text = field(row, column);
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, fault] = std::from_chars(text.data(), end, value);
-  if (fault != std::errc() || stop != end || !(std::abs(value) <= kFarthest))
+  const std::optional<int> value = number_of<int>(text);
+  if (!value || *value < 0) fail(row, column + " is not a frame's number: \"" + text + "\"");
+  return *value;
+}
+
+bool AnnotatedList::flag(const Row& row, const std::string& column) const {
+  const std::string& text = field(row, column);
+  if (text != "0" && text != "1") fail(row, column + " is neither 0 nor 1: \"" + text + "\"");
+  return text == "1";
+}
+
+double AnnotatedList::pixel(const Row& row, const std::string& column) const {
+  const std::string& text = field(row, column);
+  const std::optional<double> value = number_of<double>(text);
+  if (!value || !(std::abs(*value) <= kFarthest))
     fail(row, column + " is not a pixel: \"" + text + "\"");
-  return value;
+  return *value;
 }
 
 std::array<Eigen::Vector2d, kFingerCount> AnnotatedList::tips_px(const Row& row) const {
   std::array<Eigen::Vector2d, kFingerCount> tips;
   for (std::size_t i = 0; i < tips.size(); ++i) {
     const std::string finger(kFingerNames[i]);
-    tips[i] = {number(row, finger + "_x"), number(row, finger + "_y")};
+    tips[i] = {pixel(row, finger + "_x"), pixel(row, finger + "_y")};
   }
   if ((tips.front() - tips.back()).norm() < 1)
     fail(row, "thumb and little finger are at the same place");

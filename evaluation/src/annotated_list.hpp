@@ -28,12 +28,16 @@ class AnnotatedList {
 
   // Each throws io::Error, which names the file, the line and what is wrong with it.
   const std::string& field(const Row& row, const std::string& column) const;
-  double number(const Row& row, const std::string& column) const;
+  /// A number of a frame of a video, from 0.
+  int frame(const Row& row, const std::string& column) const;
+  /// 0 or 1.
+  bool flag(const Row& row, const std::string& column) const;
   /// thumb_x ... little_y, in pixels; thumb and little finger apart.
   std::array<Eigen::Vector2d, kFingerCount> tips_px(const Row& row) const;
+  [[noreturn]] void fail(const Row& row, const std::string& fault) const;
 
  private:
-  [[noreturn]] void fail(const Row& row, const std::string& fault) const;
+  double pixel(const Row& row, const std::string& column) const;
 
   std::string file_;
   std::vector<Row> rows_;

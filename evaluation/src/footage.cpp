@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "annotated_list.hpp"
 #include "handyar/evaluation/analysis.hpp"
@@ -32,6 +33,7 @@ std::vector<Footage> read_clips(const fs::path& list, const std::string& group,
                                 const SequenceOptions& options) {
   const AnnotatedList frames(list.string());
   std::map<std::string, Footage> clips;
+  std::set<std::pair<std::string, int>> before;
   for (const AnnotatedList::Row& row : frames.rows()) {
     const std::string& name = frames.field(row, "clip");
     auto at = clips.find(name);
@@ -40,8 +42,10 @@ std::vector<Footage> read_clips(const fs::path& list, const std::string& group,
                .emplace(name, Footage{group, open_sequence(list.parent_path() / name, options),
                                       std::map<int, TipsPx>()})
                .first;
-    if (frames.field(row, "open") != "1") continue;
-    (*at->second.open_tips_px)[int(frames.number(row, "frame"))] = frames.tips_px(row);
+    const int frame = frames.frame(row, "frame");
+    if (!before.emplace(name, frame).second)
+      frames.fail(row, "frame " + std::to_string(frame) + " of " + name + " was there before");
+    if (frames.flag(row, "open")) at->second.open_tips_px->emplace(frame, frames.tips_px(row));
   }
   std::vector<Footage> all;
   for (auto& [name, clip] : clips) all.push_back(std::move(clip));
