@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -90,9 +91,13 @@ TEST_F(CalibrateCli, ThePapersWayWithAKnownCamera) {
                         kCamera + " --method plane --hand-out " + file("hand.json"));
   ASSERT_EQ(r.code, 0) << r.err;
   EXPECT_EQ(r.out.find("camera:"), std::string::npos) << "only the hand is measured";
-  EXPECT_LT(
-      tips_rms_mm(io::read_hand(file("hand.json")), io::read_hand(kData + "/calibrate/hand.json")),
-      2.0);
+  const HandModel hand = io::read_hand(file("hand.json"));
+  EXPECT_LT(tips_rms_mm(hand, io::read_hand(kData + "/calibrate/hand.json")), 2.0);
+  char told[64];
+  std::snprintf(told, sizeof told, "hand: %.1f mm from thumb tip", 1000 * hand.span_m());
+  EXPECT_NE(r.out.find(told), std::string::npos) << "what is written is told: " << r.out;
+  std::snprintf(told, sizeof told, "%.2f px rms", hand.rms_px);
+  EXPECT_NE(r.out.find(told), std::string::npos) << r.out;
 }
 
 TEST_F(CalibrateCli, WithoutABoardFromTheHandsMotion) {

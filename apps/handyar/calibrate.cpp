@@ -72,17 +72,18 @@ void report(const CameraCalibration& c, std::size_t frames) {
       c.distortion.c_str(), c.rms_px, c.views_used.size(), frames);
 }
 
-void report(const HandCalibration& c, double thickness_mm) {
-  const HandModel& h = c.by_triangulation;
+/// `hand` is the one of the two that is written.
+void report(const HandCalibration& c, const HandModel& hand, double thickness_mm) {
+  const double sigma_m = std::sqrt(hand.tips_sigma_m.topRows<2>().array().square().mean());
+  char sigma[32] = "";
+  if (sigma_m > 0) std::snprintf(sigma, sizeof sigma, ", tips +- %.1f mm", 1000 * sigma_m);
   std::printf(
-      "hand: %.1f mm from thumb tip to little fingertip, %s, tips +- %.1f mm; %.2f px rms "
-      "over %zu frames\n",
-      1000 * h.span_m(), std::string(name(h.layout)).c_str(),
-      1000 * std::sqrt(h.tips_sigma_m.topRows<2>().array().square().mean()), h.rms_px,
+      "hand: %.1f mm from thumb tip to little fingertip, %s%s; %.2f px rms over %zu frames\n",
+      1000 * hand.span_m(), std::string(name(hand.layout)).c_str(), sigma, hand.rms_px,
       c.views_used.size());
   std::printf(
       "triangulated fingertips lie %.1f mm above the board; at %.4g mm, the paper's way, "
-      "they would lie %.1f mm rms elsewhere in the plane\n",
+      "they lie %.1f mm rms elsewhere in the plane\n",
       1000 * c.height_m, thickness_mm, 1000 * c.rms_difference_m);
 }
 
@@ -132,13 +133,14 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
     camera = c.camera;
   }
   std::optional<HandCalibration> hand;
+  HandModel measured;
   if (run.wants_hand()) {
     hand = calibrate_hand(session.views(), camera, board, run.thickness_mm / 1000);
-    report(*hand, run.thickness_mm);
+    measured = run.method == "plane" ? hand->by_plane : hand->by_triangulation;
+    report(*hand, measured, run.thickness_mm);
   }
   if (!run.camera_out.empty()) io::write_camera(run.camera_out, camera);
-  if (!run.hand_out.empty())
-    io::write_hand(run.hand_out, run.method == "plane" ? hand->by_plane : hand->by_triangulation);
+  if (!run.hand_out.empty()) io::write_hand(run.hand_out, measured);
   if (!run.picture_out.empty())
     io::write_picture(run.picture_out, draw_hand({hand->by_triangulation, board, hand->T_board_hand,
                                                   hand->plane_tips.p_m}));
