@@ -111,6 +111,23 @@ TEST(CalibrateHand, HalfTurnedBoardsAreRecognised) {
   EXPECT_LT(tips_rms_mm(c.by_triangulation, scene.hand), 0.05);
 }
 
+TEST(CalibrateHand, SquareBoardsThatAreQuarterTurnedAreRecognised) {
+  constexpr int kCorners = 7;
+  Scene scene;
+  scene.board = {kCorners, kCorners, 0.022};
+  auto views = scene.all();
+  for (std::size_t i = 0; i < views.size(); ++i)
+    for (std::size_t turn = 0; turn < i % 4; ++turn) {
+      const auto before = views[i].corners_px;
+      for (int row = 0; row < kCorners; ++row)
+        for (int column = 0; column < kCorners; ++column)
+          views[i].corners_px[row * kCorners + column] =
+              before[column * kCorners + kCorners - 1 - row];
+    }
+  const HandCalibration c = calibrate_hand(views, scene.camera, scene.board);
+  EXPECT_LT(tips_rms_mm(c.by_triangulation, scene.hand), 0.05);
+}
+
 TEST(CalibrateHand, RefusesAHandThatMoved) {
   const Scene scene;
   auto views = scene.all();

@@ -32,11 +32,14 @@ Eigen::Vector3d Board::centre_m() const {
   return {(columns - 1) * square_m / 2, (rows - 1) * square_m / 2, 0};
 }
 
-Eigen::Isometry3d Board::half_turn() const {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear().diagonal() << -1, -1, 1;
-  T.translation() = 2 * centre_m();
-  return T;
+std::vector<Eigen::Isometry3d> Board::turns() const {
+  const int step = columns == rows ? 1 : (columns - rows) % 2 == 0 ? 2 : 4;  // quarter turns
+  std::vector<Eigen::Isometry3d> all;
+  for (int quarters = 0; quarters < 4; quarters += step) {
+    const Eigen::AngleAxisd turn(quarters * CV_PI / 2, Eigen::Vector3d::UnitZ());
+    all.emplace_back(Eigen::Translation3d(centre_m()) * turn * Eigen::Translation3d(-centre_m()));
+  }
+  return all;
 }
 
 std::optional<cv::Size> parse_grid(const std::string& text) {

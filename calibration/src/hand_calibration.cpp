@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/calibration/hand_calibration.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -22,10 +23,11 @@ struct Sights {
   std::vector<Eigen::Isometry3d> T_camera_board;
 };
 
-// Most boards look the same after half a turn, so a view may have taken either end for the first.
+// Most boards look the same after a turn, so views may have taken different corners for the first.
 // The hand lies on one side and tells.
 void agree_on_first_corner(Sights& sights, std::span<const CalibrationView> views,
                            const Camera& camera, const Board& board) {
+  const std::vector<Eigen::Isometry3d> turns = board.turns();
   Eigen::Vector3d side = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < sights.views.size(); ++i) {
     Eigen::Vector3d towards_hand = -board.centre_m();
@@ -33,11 +35,15 @@ void agree_on_first_corner(Sights& sights, std::span<const CalibrationView> view
       towards_hand += unproject_to_plane(t.px, sights.T_camera_board[i], camera, kTypicalHeight_m) /
                       kFingerCount;
     towards_hand.z() = 0;
-    if (side.dot(towards_hand) < 0) {
-      sights.T_camera_board[i] = sights.T_camera_board[i] * board.half_turn();
-      towards_hand = -towards_hand;
-    }
-    side += towards_hand;
+    const auto seen_from = [&](const Eigen::Isometry3d& turn) -> Eigen::Vector3d {
+      return turn.linear().transpose() * towards_hand;
+    };
+    const Eigen::Isometry3d turn = *std::max_element(
+        turns.begin(), turns.end(), [&](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+          return side.dot(seen_from(a)) < side.dot(seen_from(b));
+        });
+    sights.T_camera_board[i] = sights.T_camera_board[i] * turn;
+    side += seen_from(turn);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -127,20 +128,24 @@ BoardFinder::BoardFinder(const Board& board, const Camera& camera)
 std::optional<BoardView> BoardFinder::find(const cv::Mat& picture) {
   std::vector<cv::Point2f> corners = find_board(picture, board_);
   if (corners.empty()) return std::nullopt;
-  Eigen::Isometry3d T = board_pose(corners, board_, camera_);
-  if (last_ && (board_.columns - board_.rows) % 2 == 0) {
-    const Eigen::Isometry3d turned = T * board_.half_turn();
-    const auto turn_since_last = [&](const Eigen::Isometry3d& now) {
-      return angle_between(last_->linear(), now.linear());
-    };
-    if (turn_since_last(turned) < turn_since_last(T)) {
-      T = turned;
-      std::reverse(corners.begin(), corners.end());
-    }
+  const Eigen::Isometry3d T = board_pose(corners, board_, camera_);
+  const std::vector<Eigen::Isometry3d> turns = board_.turns();
+  const auto turn_since_last_rad = [&](const Eigen::Isometry3d& turn) {
+    return last_ ? angle_between(last_->linear(), T.linear() * turn.linear()) : 0;
+  };
+  const Eigen::Isometry3d turn = *std::min_element(
+      turns.begin(), turns.end(), [&](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+        return turn_since_last_rad(a) < turn_since_last_rad(b);
+      });
+  last_ = T * turn;
+  BoardView view{{}, *last_};
+  for (const cv::Point3f& corner : board_.corners_m()) {
+    const Eigen::Vector3d found_m = turn * Eigen::Vector3d(corner.x, corner.y, corner.z);
+    const auto column = std::lround(found_m.x() / board_.square_m);
+    const auto row = std::lround(found_m.y() / board_.square_m);
+    const cv::Point2f& px = corners[std::size_t(row * board_.columns + column)];
+    view.corners_px.emplace_back(px.x, px.y);
   }
-  last_ = T;
-  BoardView view{{}, T};
-  for (const cv::Point2f& c : corners) view.corners_px.emplace_back(c.x, c.y);
   return view;
 }
 

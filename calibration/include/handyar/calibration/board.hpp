@@ -25,8 +25,9 @@ struct Board {
   std::vector<cv::Point3f> corners_m() const;
   /// Middle of the inner corners in the board frame (metres).
   Eigen::Vector3d centre_m() const;
-  /// The board turned about its centre by half a turn: the last inner corner becomes the first.
-  Eigen::Isometry3d half_turn() const;
+  /// The turns about its centre after which the board is found as before, none first: half a turn
+  /// where both corner counts are even or both odd, quarter turns where they are the same.
+  std::vector<Eigen::Isometry3d> turns() const;
 };
 
 /// "8x6" as columns and rows, each from 3 to 50; empty when the text says something else.
@@ -37,8 +38,8 @@ std::optional<cv::Size> parse_grid(const std::string& text);
 enum class BoardSearch : std::uint8_t { quick, thorough };
 
 /// Inner corners in a grey or BGR picture, row by row as in Board::corners_m(), sub-pixel; empty
-/// when the whole board is not in view. Turned by half a turn a board whose corner counts are both
-/// even or both odd looks the same: which end is the first is then arbitrary.
+/// when the whole board is not in view. Which corner is the first is arbitrary, up to the board's
+/// turns().
 std::vector<cv::Point2f> find_board(const cv::Mat& image, const Board& board,
                                     BoardSearch search = BoardSearch::thorough);
 

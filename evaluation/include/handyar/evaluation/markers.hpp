@@ -32,8 +32,8 @@ struct BoardView {
   Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
 };
 
-/// Finds a board frame by frame. Most boards look the same after half a turn: of the two poses the
-/// one nearest to the last is taken, so that the board keeps its first corner.
+/// Finds a board frame by frame. Most boards look the same after some turns: of these poses the one
+/// nearest to the last is taken, so that the board keeps its first corner.
 class BoardFinder {
  public:
   BoardFinder(const Board& board, const Camera& camera);
