@@ -213,6 +213,18 @@ TEST(Accuracy, TimeIsGivenAfterTheTipsWereHidden) {
   EXPECT_EQ(summarize(errors).falsely_tracked, 3);
 }
 
+TEST(Accuracy, TheTimeGivenIsTheSameAtEveryRate) {
+  for (const int rate : {15, 60}) {
+    Truth truth = make_truth(300);
+    truth.frames_per_second = rate;
+    for (std::size_t i = 100; i < 110; ++i) truth.frames[i].all_tips_visible = false;
+    const std::vector<FrameError> errors = compare(truth, truth.hand, exact_track(truth));
+    const std::size_t found = 110 + std::size_t(0.4 * rate);
+    EXPECT_FALSE(errors[found - 1].eligible) << rate;
+    EXPECT_TRUE(errors[found].eligible) << rate;
+  }
+}
+
 TEST(Accuracy, AMovedHandFrameIsNoError) {
   const Truth truth = make_truth(60);
   const Eigen::Isometry3d T_truth_model = pose({0.05, -0.02, 0.1}, {0.004, -0.003, 0.002});

@@ -135,6 +135,15 @@ double share_within(double limit, std::span<const FrameError> errors,
 
 }  // namespace
 
+bool InView::add(bool seen, double time_s) {
+  constexpr double kRounding_s = 2e-3;  // of the times of frames in files
+  if (!seen)
+    since_s_ = kUnknown;
+  else if (std::isnan(since_s_))
+    since_s_ = time_s;
+  return time_s - since_s_ > kRegain_s - kRounding_s;
+}
+
 TipErrors tip_errors(const std::array<Tip, kFingerCount>& tips, const TipsPx& truth_px) {
   TipErrors e;
   e.span_px = (truth_px.front() - truth_px.back()).norm();
@@ -167,12 +176,11 @@ std::vector<FrameError> compare(const Truth& truth, const HandModel& hand,
                                 std::span<const TrackResult> track) {
   const Comparison comparison(truth, hand);
   std::vector<FrameError> errors(track.size());
-  int seen = 0;  // frames since the five tips came into view
+  InView in_view;
   for (std::size_t i = 0; i < std::min(track.size(), truth.frames.size()); ++i) {
     errors[i] = comparison(truth.frames[i], track[i]);
-    seen = errors[i].visible ? seen + 1 : 0;
-    const int given = int(i) >= kWarmUpFrames + kRegainFrames ? kRegainFrames : 0;
-    errors[i].eligible = int(i) >= kWarmUpFrames && seen > given;
+    const bool long_enough = in_view.add(errors[i].visible, track[i].time_s);
+    errors[i].eligible = long_enough && int(i) >= kWarmUpFrames;
   }
   return errors;
 }

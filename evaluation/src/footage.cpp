@@ -154,12 +154,11 @@ void measure_clip(const std::map<int, TipsPx>& open_tips_px,
   for (const Recording& recording : recordings) {
     const std::vector<TrackResult>& results = recording.main_track().results;
     counter.begin_anew();
-    int seen = 0;
+    InView in_view;
     for (std::size_t i = 0; i < results.size(); ++i) {
       const auto tips = open_tips_px.find(int(recording.frame_index[i]));
       const bool named_open = tips != open_tips_px.end();
-      seen = named_open ? seen + 1 : 0;
-      const bool open = seen > kRegainFrames;
+      const bool open = in_view.add(named_open, recording.time_s[i]);
       const TipErrors errors = open ? tip_errors(results[i].tips, tips->second) : TipErrors{};
       counter.add(results[i], open, errors.right(), false);
       if (errors.right())

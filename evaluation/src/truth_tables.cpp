@@ -66,9 +66,9 @@ Table accuracy_table(const Analysis& a) {
       "accuracy",
       a.recording.sequence.name,
       "Accuracy against truth",
-      "Over the frames that are eligible (five tips visible, after 25 frames to begin with and "
-      "12 after they were hidden), tracked, and not wrong (no tip off by more than 0.2 of the "
-      "thumb-little span). Pose: filtered, and raw from one frame alone. Board: rms at the inner "
+      "Over the frames that are eligible (five tips visible for 0.4 s, after 25 frames to begin "
+      "with), tracked, and not wrong (no tip off by more than 0.2 of the thumb-little span). Pose: "
+      "filtered, and raw from one frame alone. Board: rms at the inner "
       "corners, the hand-to-board transform known exactly. Middle of the palm: where an object "
       "stands, in the image. Consistency: normalised estimation error squared; 6 on average, and "
       "95 % below 12.59, when the stated covariance is honest.",

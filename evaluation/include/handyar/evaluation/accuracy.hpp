@@ -19,7 +19,17 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kWrongOfSpan = 0.2;
 
 inline constexpr int kWarmUpFrames = 25;  ///< given for acquisition at a sequence's beginning
-inline constexpr int kRegainFrames = 12;  ///< given (0.4 s) after the five tips came into view
+inline constexpr double kRegain_s = 0.4;  ///< given after the five tips came into view
+
+/// How long something has been in view without a break.
+class InView {
+ public:
+  /// Whether it is in this frame, and has been for kRegain_s.
+  bool add(bool seen, double time_s);
+
+ private:
+  double since_s_ = kUnknown;
+};
 
 /// Tracked fingertips against the true ones.
 struct TipErrors {
