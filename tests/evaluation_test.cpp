@@ -392,6 +392,20 @@ TEST(BoardError, FramesWithoutBoardOrThingHaveNone) {
   EXPECT_EQ(summarize(errors).n, 58);
 }
 
+TEST(Markers, OfSeveralTheOneThatIsSeenMostOftenIsFollowed) {
+  const auto at = [](double x_m) { return pose({0, 0, 0}, {x_m, 0, 0.5}); };
+  // The largest first: which one that is changes.
+  const std::vector<std::vector<MarkerView>> frames = {
+      {{3, at(1)}, {7, at(2)}}, {}, {{7, at(3)}, {3, at(4)}}, {{7, at(5)}, {7, at(6)}}};
+  const Poses poses = follow_one(frames);
+  ASSERT_EQ(poses.size(), 4u);
+  EXPECT_EQ(poses[0]->translation().x(), 2);
+  EXPECT_FALSE(poses[1]);
+  EXPECT_EQ(poses[2]->translation().x(), 3);
+  EXPECT_EQ(poses[3]->translation().x(), 5) << "of two with one number the larger";
+  EXPECT_FALSE(follow_one(std::vector<std::vector<MarkerView>>(2))[1]);
+}
+
 /// The board before a grey wall.
 cv::Mat picture_of(const Board& board, const Camera& camera, const Eigen::Isometry3d& T) {
   constexpr int kSquare_px = 40;

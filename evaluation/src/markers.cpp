@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -29,19 +30,19 @@ class ArucoFinder final : public MarkerFinder {
     dictionary_ = *number;
   }
 
-  std::optional<Eigen::Isometry3d> find(const cv::Mat& gray, const Camera& camera) override {
-    const std::vector<SeenMarker> markers = detect_markers(gray, dictionary_);
-    const std::vector<cv::Point2f>* seen = nullptr;
-    for (const SeenMarker& m : markers)
-      if (marker_.id == m.id ||
-          (marker_.id < 0 && (!seen || cv::contourArea(m.corners_px) > cv::contourArea(*seen))))
-        seen = &m.corners_px;
-    if (!seen) return std::nullopt;
+  std::vector<MarkerView> find(const cv::Mat& gray, const Camera& camera) override {
+    std::vector<SeenMarker> markers = detect_markers(gray, dictionary_);
+    std::erase_if(markers, [&](const SeenMarker& m) { return !marker_.is_or_may_be(m.id); });
+    std::stable_sort(markers.begin(), markers.end(), [](const SeenMarker& a, const SeenMarker& b) {
+      return cv::contourArea(a.corners_px) > cv::contourArea(b.corners_px);
+    });
+    std::vector<MarkerView> found;
     cv::Vec3d r, t;
-    if (!cv::solvePnP(marker_corners_m(marker_.size_m), *seen, camera_matrix(camera),
-                      camera.distortion, r, t, false, cv::SOLVEPNP_IPPE_SQUARE))
-      return std::nullopt;
-    return isometry(r, t);
+    for (const SeenMarker& m : markers)
+      if (cv::solvePnP(marker_corners_m(marker_.size_m), m.corners_px, camera_matrix(camera),
+                       camera.distortion, r, t, false, cv::SOLVEPNP_IPPE_SQUARE))
+        found.push_back({m.id, isometry(r, t)});
+    return found;
   }
 
  private:
@@ -60,19 +61,21 @@ class AprilTagFinder final : public MarkerFinder {
     detector_->quad_decimate = 1;  // full accuracy; the library's default halves the picture
   }
 
-  std::optional<Eigen::Isometry3d> find(const cv::Mat& gray, const Camera& camera) override {
+  std::vector<MarkerView> find(const cv::Mat& gray, const Camera& camera) override {
     image_u8_t view{gray.cols, gray.rows, int(gray.step[0]), gray.data};
     zarray_t* detections = apriltag_detector_detect(detector_.get(), &view);
-    apriltag_detection_t* seen = nullptr;
+    std::vector<apriltag_detection_t*> tags;
     for (int i = 0; i < zarray_size(detections); ++i) {
       apriltag_detection_t* d = nullptr;
       zarray_get(detections, i, &d);
-      if (marker_.id == d->id || (marker_.id < 0 && (!seen || area(*d) > area(*seen)))) seen = d;
+      if (marker_.is_or_may_be(d->id)) tags.push_back(d);
     }
-    std::optional<Eigen::Isometry3d> T;
-    if (seen) T = pose(seen, camera);
+    std::stable_sort(tags.begin(), tags.end(),
+                     [](const auto* a, const auto* b) { return area(*a) > area(*b); });
+    std::vector<MarkerView> found;
+    for (apriltag_detection_t* tag : tags) found.push_back({tag->id, pose(tag, camera)});
     apriltag_detections_destroy(detections);
-    return T;
+    return found;
   }
 
  private:
@@ -147,6 +150,22 @@ std::optional<BoardView> BoardFinder::find(const cv::Mat& picture) {
     view.corners_px.emplace_back(px.x, px.y);
   }
   return view;
+}
+
+std::vector<std::optional<Eigen::Isometry3d>> follow_one(
+    std::span<const std::vector<MarkerView>> frames) {
+  std::map<int, int> times;
+  for (const std::vector<MarkerView>& markers : frames)
+    for (const MarkerView& m : markers) ++times[m.id];
+  const auto most = std::max_element(times.begin(), times.end(),
+                                     [](auto& a, auto& b) { return a.second < b.second; });
+  std::vector<std::optional<Eigen::Isometry3d>> poses;
+  for (const std::vector<MarkerView>& markers : frames) {
+    const auto at = std::find_if(markers.begin(), markers.end(),
+                                 [&](const MarkerView& m) { return m.id == most->first; });
+    poses.push_back(at == markers.end() ? std::nullopt : std::optional(at->T_camera_marker));
+  }
+  return poses;
 }
 
 std::vector<std::string> aruco_dictionaries() {

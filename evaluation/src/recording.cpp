@@ -65,16 +65,19 @@ class MarkerPass {
       cv::resize(gray_, small_, {gray_.cols / 2, gray_.rows / 2}, 0, 0, cv::INTER_AREA);
       seen_by = camera.scaled_to(small_.cols, small_.rows);
     }
-    track_.T_camera_marker.push_back(
-        finder_->find(track_.half_resolution ? small_ : gray_, seen_by));
+    views_.push_back(finder_->find(track_.half_resolution ? small_ : gray_, seen_by));
     track_.ms.push_back(1e3 * (now_s() - begin_s));
   }
 
-  MarkerTrack take() { return std::move(track_); }
+  MarkerTrack take() {
+    track_.T_camera_marker = follow_one(views_);
+    return std::move(track_);
+  }
 
  private:
   std::unique_ptr<MarkerFinder> finder_;
   MarkerTrack track_;
+  std::vector<std::vector<MarkerView>> views_;  // one list a frame
   cv::Mat gray_, small_;
 };
 

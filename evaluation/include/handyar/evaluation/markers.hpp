@@ -6,6 +6,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,10 +21,11 @@ inline constexpr const char* kAprilTagDictionary = "DICT_APRILTAG_36h11";
 /// A printed square marker. Marker frame: origin at the centre, x right, y up, z out of the print.
 struct Marker {
   std::string dictionary;  ///< OpenCV's name, e.g. "DICT_4X4_50", "DICT_APRILTAG_36h11"
-  int id = -1;             ///< -1: whichever of the dictionary is seen, the largest first
+  int id = -1;             ///< -1: whichever of the dictionary is seen most often
   double size_m = 0.08;    ///< outer side of the black square
 
   bool is_apriltag() const { return dictionary.starts_with("DICT_APRILTAG"); }
+  bool is_or_may_be(int seen_id) const { return id < 0 || id == seen_id; }
 };
 
 /// A board found in a frame.
@@ -46,13 +48,23 @@ class BoardFinder {
   std::optional<Eigen::Isometry3d> last_;  ///< T_camera_board
 };
 
+/// A marker found in a frame.
+struct MarkerView {
+  int id;
+  Eigen::Isometry3d T_camera_marker;
+};
+
 /// A marker system used as the yardstick: detection and pose, one thread.
 class MarkerFinder {
  public:
   virtual ~MarkerFinder() = default;
-  /// T_camera_marker, or empty when the marker is not seen.
-  virtual std::optional<Eigen::Isometry3d> find(const cv::Mat& gray, const Camera& camera) = 0;
+  /// The markers that are looked for, the largest in the picture first.
+  virtual std::vector<MarkerView> find(const cv::Mat& gray, const Camera& camera) = 0;
 };
+
+/// Poses of one marker, frame by frame: of several in view the one that is seen in most frames.
+std::vector<std::optional<Eigen::Isometry3d>> follow_one(
+    std::span<const std::vector<MarkerView>> frames);
 
 /// Names of the dictionaries of ArUco (AprilTag has a finder of its own).
 std::vector<std::string> aruco_dictionaries();
