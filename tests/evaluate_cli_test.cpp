@@ -115,6 +115,18 @@ TEST_F(EvaluateCli, OptionsThatCannotBeAreWrongUsage) {
                    "is not like 8x6");
 }
 
+TEST_F(EvaluateCli, OptionsWithoutEffectAreWrongUsage) {
+  const std::string report = " --report " + file("report"), hand = kVideo + "/../hand.json";
+  fs::create_directories(root_ / "tree");
+  for (const char* print : {"--board 8x6 --square-mm 20", "--aruco-mm 80", "--apriltag-mm 60"})
+    expect_refused(file("tree") + " " + print + report, 2, "of a tree neither board nor markers");
+  const std::string list = write("list.csv", kHeader + "a.jpg," + kTips + "\n");
+  for (const std::string& option : {std::string("--uncalibrated"), "--hand " + hand,
+                                    "--camera " + hand, std::string("--aruco-mm 80")})
+    expect_refused("--stills " + list + " " + option + report, 2, "photographs alone");
+  expect_refused(kVideo + " --uncalibrated --hand " + hand + report, 2, "excludes");
+}
+
 TEST_F(EvaluateCli, TheListOfStillsIsNotWrittenOver) {
   const std::string list = write("stills.csv", kHeader + "a.jpg," + kTips + "\n");
   const std::string before = contents(list);

@@ -53,6 +53,16 @@ struct Evaluation {
   std::string aruco_dictionary = "DICT_4X4_50";
 };
 
+/// Options that what is evaluated makes no use of.
+void refuse_without_effect(const Evaluation& e, bool trees) {
+  const bool prints = !e.board.empty() || e.aruco_mm > 0 || e.apriltag_mm > 0;
+  if (trees && prints) throw WrongUsage("of a tree neither board nor markers are evaluated");
+  if (!trees && e.begins > 1) throw WrongUsage("--begins is for trees");
+  const bool known = !e.options.camera_file.empty() || !e.options.hand_file.empty();
+  if (e.sequences.empty() && (prints || known || e.options.uncalibrated))
+    throw WrongUsage("photographs alone have no camera, hand, board or marker that is known");
+}
+
 /// What the options say of the person and of the prints in view.
 SequenceOptions sequence_options(const Evaluation& e) {
   SequenceOptions o = e.options;
@@ -109,12 +119,12 @@ int evaluate(const Evaluation& e) {
     throw WrongUsage("nothing to evaluate: give a SEQUENCE or --stills");
   if (e.report.empty()) throw WrongUsage("--report: the folder's name is empty");
   const auto trees = std::count_if(e.sequences.begin(), e.sequences.end(), is_tree);
+  refuse_without_effect(e, trees > 0);
   if (trees > 0) {
     if (std::size_t(trees) < e.sequences.size() || !e.stills.empty())
       throw WrongUsage("a tree of sequences is evaluated alone");
     return evaluate_trees(e);
   }
-  if (e.begins > 1) throw WrongUsage("--begins is for trees");
   const fs::path report = e.report;
   require_distinct_files({e.stills, e.options.camera_file, e.options.hand_file},
                          {report / "report.html", report / "errors.csv", report / "stills.csv",
@@ -167,8 +177,10 @@ Command add_evaluate(CLI::App& app) {
       ->required();
   options->add_option("--camera", e->options.camera_file, "Camera file (YAML) for all of them");
   options->add_option("--hand", e->options.hand_file, "Hand file (JSON) for all of them");
-  options->add_flag("--uncalibrated", e->options.uncalibrated,
-                    "The average hand, though a measured one is known");
+  options
+      ->add_flag("--uncalibrated", e->options.uncalibrated,
+                 "The average hand, though a measured one is known")
+      ->excludes("--hand");
   options
       ->add_option("--begins", e->begins,
                    "Of a tree: how often each clip of an open_frames.csv is begun, each time "
