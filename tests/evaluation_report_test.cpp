@@ -278,6 +278,8 @@ TEST(Truth, WhatCannotBeMeasuredAgainstIsRefused) {
   EXPECT_TRUE(has(complaint([](json& j) { j["K"][0][0] = 0; }), "focal length"));
   EXPECT_TRUE(has(complaint([](json& j) { j["width"] = 0; }), "no size"));
   EXPECT_TRUE(has(complaint([](json& j) { j["fps"] = 0; }), "fps"));
+  EXPECT_TRUE(has(complaint([](json& j) { j["dist"] = {0, 0, 0, 0, 0, 0.1, 0, 0}; }), "dist"));
+  EXPECT_EQ(complaint([](json& j) { j["dist"] = {0.1, 0, 0, 0, 0, 0, 0, 0}; }), "");
   EXPECT_TRUE(has(complaint([](json& j) { j["board"]["inner_corners"] = {1, 6}; }), "1x6"));
   EXPECT_TRUE(has(complaint([](json& j) { j["markers"][0]["dict"] = "DICT_9X9"; }), "DICT_9X9"));
   EXPECT_TRUE(has(complaint([](json& j) { j["markers"][0]["size_mm"] = 0; }), "size"));

@@ -50,9 +50,12 @@ Camera camera(const json& j) {
   c.cx_px = K(0, 2);
   c.cy_px = K(1, 2);
   if (!(c.fx_px > 0 && c.fy_px > 0)) throw std::runtime_error("K has no focal length");
-  if (j.contains("dist"))
-    for (std::size_t i = 0; i < c.distortion.size() && i < j["dist"].size(); ++i)
-      c.distortion[i] = j["dist"][i];
+  const auto dist = j.value("dist", std::vector<double>());
+  for (std::size_t i = 0; i < dist.size(); ++i)
+    if (i < c.distortion.size())
+      c.distortion[i] = dist[i];
+    else if (dist[i] != 0)
+      throw std::runtime_error("dist has more than k1, k2, p1, p2 and k3");
   return c;
 }
 
