@@ -176,6 +176,19 @@ TEST(Report, AClipOfWhichNothingIsKnownSaysSo) {
   EXPECT_EQ(lines_of(folder / "report/errors.csv").back().rfind("own <clip>,18,", 0), 0u);
 }
 
+TEST(Report, WhyTheBoardTellsNothingOfTheHandIsSaid) {
+  Recording r = compare_sequence().recording;
+  const auto told = [](const Recording& recording) {
+    const std::vector<std::string> unknown = analyse(recording).unknown;
+    return std::count_if(unknown.begin(), unknown.end(), [](const std::string& line) {
+      return line.find("seen together in too few frames") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(told(r), 0);
+  for (std::size_t i = 15; i < r.board_views.size(); ++i) r.board_views[i].reset();
+  EXPECT_EQ(told(r), 1) << "one block of frames does not judge itself";
+}
+
 TEST(Report, FramesThatTruthDoesNotKnowAreNoted) {
   const TemporaryFolder folder;
   Recording r = compare_sequence().recording;

@@ -93,6 +93,11 @@ std::vector<std::string> what_is_unknown(const Analysis& a) {
     u.push_back(
         "The hand moves relative to the board: its reprojection error at the board's "
         "corners has no meaning here.");
+  else if (summarize(a.main_track().raw.blocks_px).n == 0)
+    u.push_back(
+        "Hand and board are seen together in too few frames: the paper's reprojection error "
+        "(Tables 2 and 3, Figure 8) needs five in one of two blocks of 15 frames to judge those in "
+        "the other.");
   else if (!s.truth)
     u.push_back("The hand was taken to lie still beside the board all the time.");
   for (const char* system : {"ArUco", "AprilTag"})

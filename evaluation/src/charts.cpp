@@ -50,7 +50,7 @@ const std::array<Chart, 6>& all_charts() {
        "error (mm)",
        {{"raw", "translation_raw_mm"}, {"filtered", "translation_mm"}}},
       {"Residual",
-       "Distance of the fingertips from where the raw pose projects them, rms a frame.",
+       "Distance of the figure's outline from the picture's, rms a frame, outliers weighing less.",
        "residual (px)",
        {{"raw pose", "rms_px"}}},
       {"Time", "What the tracker took for each frame.", "time (ms)", {{"total", "total_ms"}}},

@@ -70,17 +70,16 @@ void add_row3(Table& t, const std::string& row, const BoardErrors& errors, doubl
 }  // namespace
 
 Table table1(std::span<const Analysis> analyses, const std::string& sequence) {
-  Table t{
-      "table1",
-      sequence,
-      "Table 1: time a frame",
-      "Milliseconds of each stage on this machine, one thread, the paper's method with "
-      "ellipses, over the frames in which the hand is tracked; the last rows over every frame: the "
-      "default method, which lays a figure on the picture, and the marker "
-      "systems on the same frames in the same run (colour conversion, detection, pose). Full: "
-      "the input's size; half: half of it each way. Rate: frames a second at the median. "
-      "Paper: 640x480 and 320x240 on a 1.8 GHz laptop of 2007.",
-      {}};
+  Table t{"table1",
+          sequence,
+          "Table 1: time a frame",
+          "Milliseconds of each stage on this machine, one thread, the paper's method with "
+          "ellipses, over the frames in which the hand is tracked; the last rows: every frame, the "
+          "default method, which lays a figure on the picture, and over every frame the marker "
+          "systems on the same frames in the same run (colour conversion, detection, pose). Full: "
+          "the input's size; half: half of it each way. Rate: frames a second at the median. "
+          "Paper: 640x480 and 320x240 on a 1.8 GHz laptop of 2007.",
+          {}};
   for (const bool half : {false, true}) {
     const std::string resolution = half ? "half" : "full";
     for (const Stage& stage : kStages)
