@@ -95,6 +95,14 @@ TEST(SelfCalibrate, RefusesAShapeThatGoesOnChanging) {
   EXPECT_NE(why.find("tell different hands"), std::string::npos) << why;
 }
 
+TEST(SelfCalibrate, RefusesALengthThatNoHandHas) {
+  const TurningHand scene;
+  const auto views = scene.all();
+  const std::string why = testing::refusal<CalibrationError>(
+      [&] { self_calibrate_hand(views, scene.camera, {.span_m = 0.35}); });
+  EXPECT_NE(why.find("350 mm"), std::string::npos) << why;
+}
+
 TEST(SelfCalibrate, RefusesARecordingWithoutHand) {
   const std::string why = refused(std::vector<CalibrationView>(100), Camera{});
   EXPECT_NE(why.find("seen in 0 of 100 frames"), std::string::npos) << why;

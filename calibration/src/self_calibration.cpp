@@ -16,6 +16,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 // plane) after half of the views was not found.
 constexpr double kMostChange_m = 0.004;
 constexpr double kLeastTurn_rad = 30 * kDegree;
+constexpr double kMostCoefficient = 8;  // a hand file with a figure beyond is refused
 
 /// From the crease of the wrist to the tip of the middle finger.
 double length_m(const HandFigure& figure) {
@@ -70,8 +71,13 @@ SelfCalibration self_calibrate_hand(std::span<const CalibrationView> views, cons
         text("the two halves of the views tell different hands, their fingertips lie %.0f mm "
              "apart: hold the hand stiff, fingers spread, and turn it as a whole for longer",
              1000 * changed_m));
-  const double factor = size_factor(learned, known);
-  out.hand = hand_of_figure(rescaled(*learned.figure, factor), learned.layout);
+  const FigureEstimate sized = rescaled(*learned.figure, size_factor(learned, known));
+  out.hand = hand_of_figure(sized, learned.layout);
+  if (sized.mean.cwiseAbs().maxCoeff() > kMostCoefficient)
+    throw CalibrationError(
+        text("the hand would measure %.0f mm from thumb tip to little fingertip, which none does: "
+             "measure the length again",
+             1000 * out.hand.span_m()));
   out.hand.source = HandSource::self;
   out.hand.average_scale = !known.span_m && !known.hand_length_m;
   return out;
