@@ -26,7 +26,7 @@ def evaluate(handyar, sequence, folder, *options):
     subprocess.run([handyar, 'evaluate', tree, *options, '--report', report], check=True, capture_output=True)
     with open(os.path.join(report, 'sequences.csv')) as file:
         row = next(csv.DictReader(file))
-    return [float(row[k]) for k in ('rotation, median (deg)', 'rotation, 95 % (deg)', 'translation, median (%)', 'rightly tracked (%)')]
+    return [float(row[k] or 'nan') for k in ('rotation, median (deg)', 'rotation, 95 % (deg)', 'translation, median (%)', 'rightly tracked (%)')]
 
 
 def main():

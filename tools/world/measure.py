@@ -111,9 +111,8 @@ def measure(program, sequence):
             wrong += drift[frame][0] > 5 or drift[frame][1] > 3
     kept = np.array([drift[frame] for frame in sorted(first) if frame >= gone])
     late = np.array([drift[frame] for frame in sorted(first) if frame >= gone + 10 * FPS])
-    seen = [frame for frame in cameras if frame >= gone and not any(b - 2 * FPS < frame < b for b in begun)]
     return dict(kept=kept, late=late, waits=waits(begun, first, len(cameras)), again=waits([0] + begun, again, len(cameras)), wrong=wrong,
-                start=start, tracked=sum(frame in first for frame in seen) / len(seen))
+                start=start)
 
 
 def main():
@@ -129,10 +128,11 @@ def main():
         if m is None:
             print(f'| {name} | never |')
             continue
-        pair = lambda values: f"{values[0]:.2f} %, {values[1]:.2f}°" if np.ndim(values) and len(values) else ""
+        drift = lambda part, values: '{:.2f} %, {:.2f}°'.format(*part(values, 0)) if len(values) else ''
+        limit = lambda values, axis: np.percentile(values, 95, axis)
         seconds = lambda values: ', '.join('never' if np.isinf(v) else f'{v:.2f}' for v in values)
-        print(f"| {name} | {m['start'] / FPS:.2f} s | {pair(np.median(m['kept'], 0))} | {pair(np.percentile(m['kept'], 95, 0))} | "
-              f"{pair(m['kept'].max(0))} | {pair(m['late'].max(0)) if len(m['late']) else ''} | {seconds(m['waits'])} | "
+        print(f"| {name} | {m['start'] / FPS:.2f} s | {drift(np.median, m['kept'])} | {drift(limit, m['kept'])} | "
+              f"{drift(np.max, m['kept'])} | {drift(np.max, m['late'])} | {seconds(m['waits'])} | "
               f"{seconds(m['again'])} | {m['wrong']} |", flush=True)
 
 
