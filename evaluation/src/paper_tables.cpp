@@ -145,8 +145,8 @@ Table table3(const Analysis& a) {
       "a frame, its mean and variance over the frames. The transforms from hand and markers to "
       "the board are fitted on alternating blocks of 15 frames and judged on the blocks between, "
       "and the other way round. Exact transform: the true one instead of a fitted one, and the "
-      "true corners (then a wrong size of a marker's edge, as bloom makes it, shows). The "
-      "paper's marker was ARTag.",
+      "true corners (then a wrong size of a marker's edge, as bloom makes it, shows); of the hand "
+      "only frames that are eligible and rightly tracked. The paper's marker was ARTag.",
       {}};
   if (!a.has_board()) return t;
   constexpr double kPaperFingertips_px = 5.86, kPaperMarker_px = 4.79;
