@@ -101,7 +101,7 @@ void finding(benchmark::State& state, const Clip& film) {
   stages.report(state);
 }
 
-/// The frames turned upside down and blurred: something to look at, and no hand.
+/// The frames blurred until they show no hand, but something to look at.
 void searching(benchmark::State& state, const Clip& film) {
   HandTracker tracker = figure(film);
   std::vector<cv::Mat> rooms;
