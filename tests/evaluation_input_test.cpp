@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "evaluation_files.hpp"
 #include "handyar/evaluation/footage.hpp"
 #include "handyar/evaluation/report.hpp"
 #include "handyar/io/error.hpp"
+#include "handyar/io/frame_source.hpp"
 
 namespace handyar::evaluation {
 namespace {
@@ -66,6 +69,32 @@ TEST(Stills, AreJudgedByTheSpan) {
   EXPECT_DOUBLE_EQ(value_of(t, "all", "right, share"), 50);
   EXPECT_DOUBLE_EQ(value_of(t, "a", "wrong"), 1);
   EXPECT_DOUBLE_EQ(value_of(t, "all", "error of span, median"), 0.03);
+}
+
+// Enlarged fourfold the centre of a small picture's first pixel lies at (1.5, 1.5).
+TEST(Stills, FingertipsOfASmallPictureAreWhereItsPixelsGo) {
+  const TemporaryFolder folder;
+  constexpr int kSmaller = 4;
+  const Sequence s = open_sequence(shipped("compare"), {});
+  std::ofstream list(folder / "list.csv");
+  list << "file,thumb_x,thumb_y,index_x,index_y,middle_x,middle_y,ring_x,ring_y,little_x,"
+          "little_y\n";
+  io::Frame frame;
+  for (const auto source = io::open_input(s.video); source->read(frame);) {
+    if (frame.index % 15 != 0) continue;
+    const std::string name = std::to_string(frame.index) + ".png";
+    cv::Mat small;
+    cv::resize(frame.bgr, small, {}, 1.0 / kSmaller, 1.0 / kSmaller, cv::INTER_AREA);
+    cv::imwrite(folder / name, small);
+    list << name;
+    for (const Eigen::Vector2d& tip : s.truth->frames[std::size_t(frame.index)].tips_px)
+      list << "," << (tip.x() + 0.5) / kSmaller - 0.5 << "," << (tip.y() + 0.5) / kSmaller - 0.5;
+    list << "\n";
+  }
+  list.close();
+  const Table t = stills_table(track_stills(read_stills(folder / "list.csv")));
+  EXPECT_EQ(value_of(t, "all", "right"), 6);
+  EXPECT_LT(value_of(t, "all", "error of span, median"), 0.0095);
 }
 
 TEST(Truth, AFileThatIsNoneIsRefusedInOneLine) {

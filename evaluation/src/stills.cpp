@@ -100,8 +100,8 @@ StillResult judge(const Still& still, const Config& config, std::uint64_t seed) 
   const Letterbox box = letterbox(still);
   TipsPx truth_px;
   for (std::size_t i = 0; i < truth_px.size(); ++i)
-    truth_px[i] = {still.tips_px[i].x() * box.scale_x + box.left_px,
-                   still.tips_px[i].y() * box.scale_y + box.top_px};
+    truth_px[i] = {(still.tips_px[i].x() + 0.5) * box.scale_x - 0.5 + box.left_px,
+                   (still.tips_px[i].y() + 0.5) * box.scale_y - 0.5 + box.top_px};
   cv::RNG random(seed);
   const auto tips = hold_and_track(box.frame, config, random);
   if (!tips) return result;
