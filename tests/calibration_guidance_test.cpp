@@ -90,6 +90,24 @@ TEST(Advice, LeadsFromNothingToDone) {
   EXPECT_EQ(advice(coverage, {}), "Done.");
 }
 
+TEST(Advice, OfACameraAloneAsksForNoHand) {
+  Coverage camera_alone(Scene{}.board, kSize, false), both(Scene{}.board, kSize);
+  CalibrationView v;
+  for (const auto& [about_x, about_y] :
+       {std::pair(0.0, 0.0), {-0.5, 0.0}, {0.5, 0.0}, {0.0, -0.5}, {0.0, 0.5}})
+    for (const double x_m : {-0.14, 0.0, 0.14})
+      for (const double y_m : {-0.1, 0.1}) {
+        v = looked_from(about_x, about_y, x_m, y_m);
+        v.tips = {};
+        EXPECT_EQ(advice(camera_alone, v).find("hand"), std::string::npos);
+        camera_alone.add(v);
+        both.add(v);
+      }
+  EXPECT_TRUE(camera_alone.done());
+  EXPECT_FALSE(both.done());
+  EXPECT_NE(advice(both, v).find("Lay the hand"), std::string::npos);
+}
+
 TEST(DrawGuidance, ShowsFrameAndPanel) {
   Coverage coverage(Scene{}.board, kSize);
   const cv::Mat frame(480, 640, CV_8UC3, cv::Scalar(90, 90, 90));

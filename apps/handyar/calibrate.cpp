@@ -104,7 +104,7 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
                          const Camera* known_camera) {
   const io::SourceInfo& info = source.info();
   const Board board = board_of(run);
-  CalibrationSession session(board, {info.width_px, info.height_px});
+  CalibrationSession session(board, {info.width_px, info.height_px}, run.wants_hand());
   std::optional<render::Window> window;
   if (run.show) window.emplace(info.width_px, info.height_px, "handyar calibrate");
   {

@@ -80,10 +80,11 @@ std::string emptiest_place(const Coverage& coverage) {
 
 }  // namespace
 
-Coverage::Coverage(const Board& board, cv::Size image_size)
+Coverage::Coverage(const Board& board, cv::Size image_size, bool hand_wanted)
     : board_(board),
       rough_(Camera::from_field_of_view(image_size.width, image_size.height)),
-      max_blur_px_(kMaxBlurPx * std::max(image_size.width, image_size.height) / 640.0) {}
+      max_blur_px_(kMaxBlurPx * std::max(image_size.width, image_size.height) / 640.0),
+      hand_wanted_(hand_wanted) {}
 
 void Coverage::add(const CalibrationView& view) {
   if (!view.board_seen() || view.blur_px > max_blur_px_) return;
@@ -111,14 +112,14 @@ int Coverage::sides_seen() const {
 }
 
 bool Coverage::done() const {
-  return views() >= kViewsWanted && hand_views_ >= kViewsWanted / 2 &&
-         sides_seen() >= kSidesWanted && cells_share() >= kCellsWanted;
+  return views() >= kViewsWanted && !needs_hand() && sides_seen() >= kSidesWanted &&
+         cells_share() >= kCellsWanted;
 }
 
 std::string advice(const Coverage& coverage, const CalibrationView& now) {
   if (coverage.done()) return "Done.";
   if (!now.board_seen()) return "Show the whole board.";
-  if (!now.hand_seen() && coverage.hand_views() < Coverage::kViewsWanted / 2)
+  if (!now.hand_seen() && coverage.needs_hand())
     return "Lay the hand beside the board, fingers spread, and show both.";
   if (coverage.sides_seen() < Coverage::kSidesWanted)
     for (int s = 0; s < kSideCount; ++s)

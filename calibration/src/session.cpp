@@ -23,8 +23,8 @@ CalibrationView hand_view(const TrackResult& result, const HandModel& learned) {
   return v;
 }
 
-CalibrationSession::CalibrationSession(const Board& board, cv::Size image_size)
-    : board_(board), image_size_(image_size), coverage_(board, image_size) {}
+CalibrationSession::CalibrationSession(const Board& board, cv::Size image_size, bool hand_wanted)
+    : board_(board), image_size_(image_size), coverage_(board, image_size, hand_wanted) {}
 
 std::vector<cv::Point2f> CalibrationSession::find(const cv::Mat& grey) {
   auto corners = find_board(grey, board_, BoardSearch::quick);

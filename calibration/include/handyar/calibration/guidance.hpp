@@ -24,7 +24,7 @@ class Coverage {
   static constexpr int kSidesWanted = 4;       ///< of five
   static constexpr double kCellsWanted = 0.4;  ///< of the picture
 
-  Coverage(const Board& board, cv::Size image_size);
+  Coverage(const Board& board, cv::Size image_size, bool hand_wanted = true);
 
   /// Counts a frame when it is sharp, shows the board and differs from those before.
   void add(const CalibrationView& view);
@@ -35,6 +35,8 @@ class Coverage {
   bool cell(int column, int row) const { return cells_[row * kColumns + column]; }
   double cells_share() const;
   int sides_seen() const;
+  /// The hand is to be measured too and is in too few views.
+  bool needs_hand() const { return hand_wanted_ && hand_views_ < kViewsWanted / 2; }
   /// Views, hand, sides and cells are enough: further frames add little.
   bool done() const;
 
@@ -42,6 +44,7 @@ class Coverage {
   Board board_;
   Camera rough_;
   double max_blur_px_;
+  bool hand_wanted_;
   std::vector<Viewpoint> viewpoints_;
   std::array<int, kSideCount> sides_{};
   std::array<bool, kColumns * kRows> cells_{};

@@ -14,7 +14,7 @@ namespace handyar {
 /// comes out, at last camera and hand.
 class CalibrationSession {
  public:
-  CalibrationSession(const Board& board, cv::Size image_size);
+  CalibrationSession(const Board& board, cv::Size image_size, bool hand_wanted = true);
 
   /// Looks for the board in the frame and takes the tracker's view of the hand with it. Throws
   /// CalibrationError where the frame is not of the session's size.
