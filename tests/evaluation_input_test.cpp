@@ -154,6 +154,8 @@ TEST(Sequences, OnlyAFolderHasItsOwnCameraAndHand) {
   EXPECT_EQ(s.origin_of_hand, "assumed: average adult");
   EXPECT_EQ(s.origin_of_camera, "assumed: 60 degrees across");
   EXPECT_EQ(s.name, "mine") << "every sequence's file is called video";
+  cv::imwrite(folder / "mine/0001.png", cv::Mat(480, 640, CV_8UC3, cv::Scalar(90, 90, 90)));
+  EXPECT_EQ(open_sequence(folder / "mine/%04d.png", {}).name, "mine");
 }
 
 TEST(Sequences, TruthOfAnotherSizeIsRefusedWhateverTheCamera) {

@@ -85,7 +85,8 @@ Sequence open_sequence(const fs::path& given, const SequenceOptions& options) {
     if (fs::exists(folder / "truth.json")) s.truth = read_truth(folder / "truth.json");
   } else {
     s.name = path.stem().string();
-    if (s.name == "video") s.name = fs::weakly_canonical(path).parent_path().filename().string();
+    const bool names_none = s.name == "video" || s.name.find('%') != std::string::npos;
+    if (names_none) s.name = fs::weakly_canonical(path).parent_path().filename().string();
     s.video = path.string();
   }
   find_camera(s, folder, options);

@@ -34,7 +34,7 @@ struct Sequence {
 
 /// A video file, or a folder with video.mp4 and, where there are such, truth.json, camera.yml and
 /// hand.json; `sample` is the shipped one. Of a file, what lies beside it is not taken; one called
-/// "video" has its folder's name. Throws io::Error.
+/// "video", and a series of pictures, has its folder's name. Throws io::Error.
 Sequence open_sequence(const std::filesystem::path& path, const SequenceOptions& options);
 
 /// The same for several; those with the same name are told apart by their folder's.
