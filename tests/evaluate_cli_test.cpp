@@ -75,6 +75,15 @@ TEST_F(EvaluateCli, AFaultyInputLeavesNoReport) {
   expect_refused("--stills " + list + report, 1, "broken.png: is not a picture");
 }
 
+TEST_F(EvaluateCli, TheReportsCommandCanBeRunAgain) {
+  write("a.ppm", "P6\n64 48\n255\n" + std::string(64 * 48 * 3, '\0'));
+  const std::string list = write("list.csv", kHeader + "a.ppm," + kTips + "\n");
+  const std::string options = "--stills " + list + " --report '" + file("the report") + "'";
+  ASSERT_EQ(run(options), 0) << contents(file("stderr"));
+  EXPECT_NE(contents(file("the report/report.html")).find("evaluate " + options + "</dd>"),
+            std::string::npos);
+}
+
 TEST_F(EvaluateCli, AReportThatCannotBeWrittenIsToldBeforeTheWork) {
   fs::create_directories(root_ / "taken" / "report.html");
   expect_refused(kVideo + " --report " + file("taken"), 1, "report.html");

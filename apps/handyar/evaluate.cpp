@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
 
 #include "command.hpp"
@@ -34,12 +33,22 @@ constexpr const char* kEvaluateExamples =
     "  handyar evaluate footage --uncalibrated --report report\n"
     "  handyar evaluate --stills stills/fingertips.csv --report report";
 
+/// As a shell reads it back.
+std::string shell_quoted(const std::string& argument) {
+  constexpr const char* kSafe =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+=.,:/@%";
+  if (!argument.empty() && argument.find_first_not_of(kSafe) == std::string::npos) return argument;
+  std::string text = "'";
+  for (const char c : argument) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
 /// The command line that this process was started with; empty where the system does not tell.
 std::string command_line() {
   std::ifstream file("/proc/self/cmdline", std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(file)), {});
-  if (!text.empty()) text.pop_back();
-  for (char& c : text) c = c == '\0' ? ' ' : c;
+  std::string text;
+  for (std::string argument; std::getline(file, argument, '\0');)
+    text += (text.empty() ? "" : " ") + shell_quoted(argument);
   return text;
 }
 
