@@ -78,7 +78,8 @@ void report(const HandCalibration& c, const HandModel& hand, double thickness_mm
   char sigma[32] = "";
   if (sigma_m > 0) std::snprintf(sigma, sizeof sigma, ", tips +- %.1f mm", 1000 * sigma_m);
   std::printf(
-      "hand: %.1f mm from thumb tip to little fingertip, %s%s; %.2f px rms over %zu frames\n",
+      "hand: %.1f mm from thumb tip to little fingertip, %s%s; %.2f px rms, the worst tenth left "
+      "out, over %zu frames\n",
       1000 * hand.span_m(), std::string(name(hand.layout)).c_str(), sigma, hand.rms_px,
       c.views_used.size());
   std::printf(
