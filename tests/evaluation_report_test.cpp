@@ -141,6 +141,22 @@ TEST(Report, WhyTheBoardTellsNothingOfTheHandIsSaid) {
   EXPECT_EQ(told(r), 1) << "one block of frames does not judge itself";
 }
 
+TEST(Report, AMarkersSizeThatWasGivenIsSaidToBe) {
+  Recording r = compare_sequence().recording;
+  const auto told = [&](const char* system) {
+    const std::string line = std::string("The size of the ") + system +
+                             " marker is as given or assumed on the command line.";
+    const std::vector<std::string> unknown = analyse(r).unknown;
+    return std::count(unknown.begin(), unknown.end(), line);
+  };
+  EXPECT_EQ(told("ArUco"), 0) << "truth tells it";
+  SequenceOptions options;
+  options.aruco = Marker{"DICT_4X4_50", -1, 0.05};
+  r.sequence = open_sequence(shipped("compare"), options);
+  EXPECT_EQ(told("ArUco"), 1);
+  EXPECT_EQ(told("AprilTag"), 0);
+}
+
 TEST(Report, FramesThatTruthDoesNotKnowAreNoted) {
   const TemporaryFolder folder;
   Recording r = compare_sequence().recording;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "handyar/evaluation/tables.hpp"
 #include "handyar/io/pending_file.hpp"
@@ -100,11 +101,12 @@ std::vector<std::string> what_is_unknown(const Analysis& a) {
         "the other.");
   else if (!s.truth)
     u.push_back("The hand was taken to lie still beside the board all the time.");
-  for (const char* system : {"ArUco", "AprilTag"})
+  for (const auto& [system, marker] :
+       {std::pair("ArUco", &s.aruco), std::pair("AprilTag", &s.apriltag)})
     if (!any_marker(a.recording, system))
       u.push_back(std::string("No ") + system +
                   " marker was found: of that system only the time it takes is known.");
-    else if (a.has_board() && !s.marker_sizes_known)
+    else if (a.has_board() && !marker->size_known)
       u.push_back(std::string("The size of the ") + system +
                   " marker is as given or assumed on the command line.");
   return u;

@@ -62,7 +62,6 @@ void find_prints(Sequence& s, const SequenceOptions& options) {
   if (s.truth) {
     s.board = s.truth->board;
     for (const Marker& m : s.truth->markers) (m.is_apriltag() ? s.apriltag : s.aruco) = m;
-    s.marker_sizes_known = true;
   }
   if (options.board) s.board = options.board;
   if (options.aruco) s.aruco = *options.aruco;

@@ -76,7 +76,7 @@ Board board(const json& j) {
 }
 
 Marker marker(const json& j) {
-  const Marker m{j.at("dict"), j.at("id"), length_m(j.at("size_mm"))};
+  const Marker m{j.at("dict"), j.at("id"), length_m(j.at("size_mm")), true};
   if (m.is_apriltag() ? m.dictionary != kAprilTagDictionary : !dictionary_number(m.dictionary))
     throw std::runtime_error("markers of " + m.dictionary + " are not known");
   return m;

@@ -20,9 +20,10 @@ inline constexpr const char* kAprilTagDictionary = "DICT_APRILTAG_36h11";
 
 /// A printed square marker. Marker frame: origin at the centre, x right, y up, z out of the print.
 struct Marker {
-  std::string dictionary;  ///< OpenCV's name, e.g. "DICT_4X4_50", "DICT_APRILTAG_36h11"
-  int id = -1;             ///< -1: whichever of the dictionary is seen most often
-  double size_m = 0.08;    ///< outer side of the black square
+  std::string dictionary;   ///< OpenCV's name, e.g. "DICT_4X4_50", "DICT_APRILTAG_36h11"
+  int id = -1;              ///< -1: whichever of the dictionary is seen most often
+  double size_m = 0.08;     ///< outer side of the black square
+  bool size_known = false;  ///< by truth; else a metre of its pose is a guess
 
   bool is_apriltag() const { return dictionary.starts_with("DICT_APRILTAG"); }
   bool is_or_may_be(int seen_id) const { return id < 0 || id == seen_id; }

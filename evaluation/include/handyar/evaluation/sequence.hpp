@@ -29,7 +29,6 @@ struct Sequence {
   std::optional<Board> board;
   Marker aruco{"DICT_4X4_50", -1, 0.08};
   Marker apriltag{kAprilTagDictionary, -1, 0.06};
-  bool marker_sizes_known = false;  ///< else a metre of a marker's pose is a guess
 };
 
 /// A video file, or a folder with video.mp4 and, where there are such, truth.json, camera.yml and
