@@ -119,7 +119,7 @@ class FinderAt : public testing::TestWithParam<int> {};
 
 TEST_P(FinderAt, FindsHandsOfEverySizeAndTurn) {
   HandFinder finder;
-  for (const double turn : {-25.0, 0.0, 25.0}) {
+  for (const double turn : {-25.0, 0.0, 25.0, 90.0, 180.0}) {
     const Shown shown(GetParam(), deg(turn));
     const auto hands = finder.search(shown.picture.view());
     ASSERT_GT(hands.size(), 0u) << turn;
@@ -142,6 +142,45 @@ TEST(Finder, MirroredPicturesShowTheOtherLayout) {
     const double span = 220;
     EXPECT_LT((Eigen::Vector2d(639 - px.x(), px.y()) - shown.film.true_tip_px(f)).norm(),
               0.2 * span);
+  }
+}
+
+// A second look sees every hand upright: the same picture on its side or its head looks the same.
+TEST(Finder, LooksAtAKnownHandUpright) {
+  const Shown shown(220);
+  HandFinder finder;
+  const auto known = [&](const auto& to) {
+    HandPlace hand;
+    hand.palm_px = to(shown.film.camera.project(shown.film.T_camera_hand.translation())
+                          .template cast<float>()
+                          .eval());
+    for (int f = 0; f < kFingerCount; ++f)
+      hand.tips_px[f] = to(shown.film.true_tip_px(f).cast<float>().eval());
+    return hand;
+  };
+  const auto looked = [&](const Picture& picture, const HandPlace& hand) {
+    const auto found = finder.look(picture.view(), hand.region(2.6f * hand.span_px()));
+    return found.empty() ? HandCandidate{} : found[0];
+  };
+  using Place = Eigen::Vector2f;
+  const HandPlace as_it_is = known([](const Place& px) { return px; });
+  const HandCandidate first = looked(shown.picture, as_it_is);
+  ASSERT_GT(first.log_odds, 1);
+  Picture turned = shown.picture;
+  HandPlace hand = as_it_is;
+  for (int quarter = 1; quarter < 4; ++quarter) {
+    const int height = turned.height();
+    const auto turn = [&](const Place& px) { return Place(height - 1 - px.y(), px.x()); };
+    Picture next(height, turned.width());
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < turned.width(); ++x)
+        std::copy_n(turned.at(x, y), 3, next.at(height - 1 - y, x));
+    turned = next;
+    hand.palm_px = turn(hand.palm_px);
+    for (Place& tip_px : hand.tips_px) tip_px = turn(tip_px);
+    const HandCandidate again = looked(turned, hand);
+    EXPECT_EQ(again.layout, first.layout) << quarter;
+    EXPECT_NEAR(again.log_odds, first.log_odds, 0.1) << quarter;
   }
 }
 

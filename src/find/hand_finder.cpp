@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "find/constellation.hpp"
 #include "find/face_network.hpp"
@@ -38,9 +39,12 @@ bool HandPlace::same_tips(const HandPlace& other) const noexcept {
 }
 
 FinderRegion HandPlace::region(float width_px) const noexcept {
-  Eigen::Vector2f around_px = palm_px;
+  Eigen::Vector2f around_px = palm_px, up = Eigen::Vector2f::Zero();
   for (const Eigen::Vector2f& tip_px : tips_px) around_px += tip_px;
-  return {around_px / (1 + kFingerCount), width_px};
+  for (int f = 1; f < kFingerCount; ++f) up += tips_px[f] - palm_px;
+  const bool upright = std::abs(up.y()) >= std::abs(up.x());
+  (upright ? up.x() : up.y()) = 0;
+  return {around_px / (1 + kFingerCount), width_px, up.normalized()};
 }
 
 struct HandFinder::Impl {
@@ -68,30 +72,37 @@ void HandFinder::reset() noexcept {
 /// Means over the pixels of each sample; beyond the frame grey.
 void HandFinder::Impl::sample(const ImageView& frame, const FinderRegion& region) noexcept {
   const PixelReader reader(frame);
-  const float scale = region.width_px / Network::kWidth;
-  const Eigen::Vector2f first =
-      region.centre_px - 0.5f * scale * Eigen::Vector2f(Network::kWidth, Network::kHeight);
-  const int reads = std::clamp(static_cast<int>(std::lround(scale)), 1, kMostReads);
-  std::array<int, Network::kWidth * kMostReads> columns;
+  const int reads =
+      std::clamp(static_cast<int>(std::lround(region.width_px / Network::kWidth)), 1, kMostReads);
+  // Where a read lies is the sum of where its column and its row begin, in parts of a pixel.
+  constexpr int kParts = 16;  // bits
+  using Place = std::array<std::int64_t, 2>;
+  const auto across = static_cast<float>(Network::kWidth * reads);
+  const auto in_parts = [](const Eigen::Vector2f& px) {
+    return Place{std::llround(std::ldexp(px.x(), kParts)),
+                 std::llround(std::ldexp(px.y(), kParts))};
+  };
+  const Eigen::Vector2f first_px = region.to_frame({0.5f, 0.5f}, across);
+  std::array<Place, Network::kWidth * kMostReads> columns;
+  std::array<Place, Network::kHeight * kMostReads> rows;
   for (int i = 0; i < Network::kWidth * reads; ++i)
-    columns[i] = static_cast<int>(std::floor(first.x() + scale * (i + 0.5f) / reads + 0.5f));
+    columns[i] = in_parts(region.to_frame({i + 0.5f, 0.5f}, across) + Eigen::Vector2f(0.5f, 0.5f));
+  for (int j = 0; j < Network::kHeight * reads; ++j)
+    rows[j] = in_parts(region.to_frame({0.5f, j + 0.5f}, across) - first_px);
   float* out = workspace.beside.data();
   for (int v = 0; v < Network::kHeight; ++v)
     for (int u = 0; u < Network::kWidth; ++u, out += 3) {
       std::array<int, 3> sum{};
       int within = 0;
-      for (int j = 0; j < reads; ++j) {
-        const int y =
-            static_cast<int>(std::floor(first.y() + scale * (v + (j + 0.5f) / reads) + 0.5f));
-        if (y < 0 || y >= frame.height_px) continue;
-        for (int i = 0; i < reads; ++i) {
-          const int x = columns[u * reads + i];
-          if (x < 0 || x >= frame.width_px) continue;
-          const std::array<int, 3> rgb = reader.rgb(x, y);
+      for (int j = v * reads; j < (v + 1) * reads; ++j)
+        for (int i = u * reads; i < (u + 1) * reads; ++i) {
+          const std::int64_t x = (columns[i][0] + rows[j][0]) >> kParts,
+                             y = (columns[i][1] + rows[j][1]) >> kParts;
+          if (x < 0 || y < 0 || x >= frame.width_px || y >= frame.height_px) continue;
+          const std::array<int, 3> rgb = reader.rgb(static_cast<int>(x), static_cast<int>(y));
           for (int c = 0; c < 3; ++c) sum[c] += rgb[c];
           ++within;
         }
-      }
       constexpr float kGrey = 127.5f;
       for (int c = 0; c < 3; ++c) out[c] = within > 0 ? static_cast<float>(sum[c]) / within : kGrey;
     }
@@ -101,11 +112,8 @@ void HandFinder::Impl::look(const ImageView& frame, const FinderRegion& region) 
   sample(frame, region);
   HandCandidates there;
   read_constellations(FinderMaps(network.run(workspace)), there);
-  const float cell_px = region.width_px / Network::kCellsX;
-  const Eigen::Vector2f first =
-      region.centre_px - 0.5f * cell_px * Eigen::Vector2f(Network::kCellsX, Network::kCellsY);
-  const auto to_frame = [&](const Eigen::Vector2f& cells) -> Eigen::Vector2f {
-    return first + cell_px * (cells + Eigen::Vector2f::Constant(0.5f));
+  const auto to_frame = [&](const Eigen::Vector2f& cells) {
+    return region.to_frame(cells + Eigen::Vector2f::Constant(0.5f), Network::kCellsX);
   };
   for (HandCandidate hand : there.items()) {
     hand.palm_px = to_frame(hand.palm_px);

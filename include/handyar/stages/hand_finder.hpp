@@ -14,7 +14,14 @@ namespace handyar {
 /// A part of a frame, which may reach beyond it; pixels, from the top-left pixel's centre.
 struct FinderRegion {
   Eigen::Vector2f centre_px = Eigen::Vector2f::Zero();
-  float width_px = 0;  ///< its height is three quarters of that
+  float width_px = 0;            ///< its height is three quarters of that
+  Eigen::Vector2f up = {0, -1};  ///< where its top is: a unit vector in the frame
+
+  /// Where a place in it is in the frame; its width is `across`, (0, 0) its top-left corner.
+  Eigen::Vector2f to_frame(const Eigen::Vector2f& place, float across) const noexcept {
+    const Eigen::Vector2f off = (place / across - Eigen::Vector2f(0.5f, 0.375f)) * width_px;
+    return centre_px + off.x() * Eigen::Vector2f(-up.y(), up.x()) - off.y() * up;
+  }
 };
 
 /// Where a hand is in a frame.
@@ -28,7 +35,7 @@ struct HandPlace {
   float reach_px() const noexcept;
   /// Whether each fingertip is about where the other's is.
   bool same_tips(const HandPlace& other) const noexcept;
-  /// A part of the frame with the hand in its middle.
+  /// A part of the frame with the hand in its middle, upright.
   FinderRegion region(float width_px) const noexcept;
 };
 
