@@ -189,7 +189,7 @@ typedef struct handyar_finger {
 typedef struct handyar_result {
   uint32_t size;
   handyar_state state;
-  handyar_layout layout; /* while acquiring and tracking */
+  handyar_layout layout; /* while a hand is followed, open or folded */
   handyar_face face;
   handyar_side side;       /* left or right hand, as face and layout tell */
   int32_t doubtful;        /* tracking, but the pose is not to be relied on */
@@ -203,7 +203,7 @@ typedef struct handyar_result {
   double palm_centre_m[3]; /* in the hand frame: where an object stands */
   handyar_point tips[HANDYAR_FINGERS];
   handyar_point webs[HANDYAR_WEBS];
-  handyar_finger fingers[HANDYAR_FINGERS]; /* while there is a pose */
+  handyar_finger fingers[HANDYAR_FINGERS]; /* while an open hand is followed */
   /* What follows came later: programs built before it have a smaller `size`. */
   handyar_gesture gesture;             /* held for a tenth of a second at least */
   handyar_gesture_event gesture_event; /* that this frame completed */

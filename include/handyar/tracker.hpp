@@ -56,11 +56,11 @@ struct TrackResult {
   double time_s = 0;
   State state = State::searching;
   bool doubtful = false;               ///< tracking, but the pose is not to be relied on
-  std::optional<Layout> layout;        ///< while acquiring and tracking
+  std::optional<Layout> layout;        ///< while a hand is followed, open or folded
   std::optional<Face> face;            ///< palm or back, as far as it is told
   std::array<Tip, kFingerCount> tips;  ///< in finger order; while acquiring the best so far
   std::array<Tip, kValleyCount> webs;  ///< web i between finger i and i + 1
-  std::array<FingerState, kFingerCount> fingers;  ///< while there is a pose
+  std::array<FingerState, kFingerCount> fingers;  ///< while an open hand is followed
   std::optional<PoseEstimate> raw_pose;           ///< from this frame alone, before the filter
   std::optional<FilteredPose> pose;               ///< filtered, at this frame's time
   Gesture gesture = Gesture::open;                ///< held for a tenth of a second at least
@@ -110,7 +110,7 @@ class HANDYAR_API HandTracker {
   /// next process(); written anew by each call, so not for two threads at once.
   [[nodiscard]] HandMask mask() const noexcept;
 
-  /// The person's hand as far as it was learned, in the layout now tracked.
+  /// The person's hand as far as it was learned, in the layout last tracked.
   [[nodiscard]] const HandModel& hand() const noexcept;
 
   /// What the last frame showed (stages/evidence.hpp). Valid until the next process().

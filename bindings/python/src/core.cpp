@@ -558,7 +558,7 @@ as it was.)")
           [](Tracker& tracker) {
             return tracker.use([](const TrackerState& t) { return HandModel(t.tracker.hand()); });
           },
-          "The person's hand as far as it was learned, in the layout now tracked.")
+          "The person's hand as far as it was learned, in the layout last tracked.")
       .def(
           "reset",
           [](Tracker& tracker) { tracker.use([](TrackerState& t) { t.tracker.reset(); }); },

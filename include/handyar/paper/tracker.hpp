@@ -9,7 +9,7 @@
 #include "handyar/tracker.hpp"
 
 /// The method of T. Lee and T. Höllerer, "Handy AR" (ISWC 2007), as written: for its tables, for
-/// teaching, and to be compared with. docs/paper.md tells where each of its sections is.
+/// teaching, and to be compared with. docs/method.md tells where each of its sections is.
 namespace handyar::paper {
 
 enum class FingertipMethod : std::uint8_t {
