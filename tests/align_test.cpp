@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "drawn_hand.hpp"
+#include "track/hand_prior.hpp"
 #include "track/hypotheses.hpp"
 #include "track/start_pose.hpp"
 #include "track/turning.hpp"

@@ -2,7 +2,6 @@
 #include "handyar/pose_filter.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "align/silhouette.hpp"
 #include "track/tracker_state.hpp"

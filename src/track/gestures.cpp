@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "track/hand_prior.hpp"
+
 namespace handyar {
 
 std::string_view name(Gesture gesture) noexcept {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "track/hand_prior.hpp"
 #include "track/start_pose.hpp"
 #include "track/turning.hpp"
 

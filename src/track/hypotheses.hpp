@@ -9,7 +9,6 @@
 #include "handyar/image_view.hpp"
 #include "handyar/stages/align.hpp"
 #include "handyar/stages/hand_finder.hpp"
-#include "track/hand_prior.hpp"
 #include "track/person.hpp"
 #include "track/seen_fingers.hpp"
 #include "track/tracker_config.hpp"

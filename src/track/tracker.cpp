@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/tracker.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "stage_clock.hpp"
 #include "track/tracker_state.hpp"
 
