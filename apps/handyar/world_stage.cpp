@@ -37,7 +37,11 @@ void WorldStage::add(const render::SceneObject& what) {
 
 void WorldStage::add(const std::string& model, const Eigen::Isometry3d& T_world_object) {
   render::SceneObject what;
-  what.name = "object " + std::to_string(objects_.size() + 1);
+  const auto has_name = [&](const Object& object) { return object.what.name == what.name; };
+  std::size_t number = objects_.size();
+  do {  // a scene of names that are used twice would not be read again
+    what.name = "object " + std::to_string(++number);
+  } while (std::ranges::any_of(objects_, has_name));
   what.model = model;
   what.size_m = size_m_;
   what.T_marker_object = T_world_object;
