@@ -10,11 +10,6 @@
 namespace handyar {
 namespace {
 
-// A figure is laid as well as it can be on anything: it speaks for a hand only from this log ratio
-// on, and less than it claims. In dim rooms right ones have hardly more; from 5 on, a hand that
-// shows four fingers is tracked in 24 of 3240 frames, from 7 on in none.
-constexpr double kEven = 7, kClaim = 0.4;
-
 // The part of the pose's covariance that is new in each frame; the rest comes from what the figure
 // cannot explain and stays while the view does.
 constexpr double kNoisePart = 0.05;
@@ -79,9 +74,9 @@ void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
   keep_outline();
   seen.hypotheses.reconsider(frame, camera, dt_s, config, aligner);
   if (!can_be_seen || follows_hand_of_other()) seen.hypotheses.clear();
-  tell_from_other();
   if (!has_hand()) return;
   seen.whole = is_whole(seen.hypotheses.best(), frame, aligner);
+  tell_from_other();
 }
 
 void HandTracker::Impl::keep_outline() noexcept {
@@ -104,7 +99,7 @@ void HandTracker::Impl::compare_postures(const ImageView& frame, double dt_s) no
   if (gestures.opened()) {
     seen.hypotheses.resume(gestures.hand());
     seen.whole = true;
-    seen.belief = config.belief.believe + config.belief.most_frame;
+    seen.belief = config.belief.believe + config.belief.most_frame();
   }
 }
 
@@ -115,13 +110,13 @@ const Hypothesis* HandTracker::Impl::in_view() const noexcept {
 
 bool HandTracker::Impl::holds_hand() const noexcept {
   return has_hand() && seen.whole &&
-         seen.hypotheses.best().alignment.log_ratio >= config.belief.seen;
+         seen.hypotheses.best().alignment.log_ratio >= config.belief.seen();
 }
 
 double HandTracker::Impl::evidence_of(const Alignment& alignment, bool whole) const noexcept {
   const BeliefConfig& limits = config.belief;
-  if (!whole) return -limits.most_frame;
-  return std::clamp(kClaim * (alignment.log_ratio - kEven), -limits.most_frame, limits.most_frame);
+  if (!whole) return -limits.most_frame();
+  return std::clamp(limits.says(alignment.log_ratio), -limits.most_frame(), limits.most_frame());
 }
 
 void HandTracker::Impl::believe(double dt_s) noexcept {

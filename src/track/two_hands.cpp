@@ -46,14 +46,14 @@ bool HandTracker::Impl::is_for_other(const HandCandidate& candidate,
 }
 
 void HandTracker::Impl::tell_from_other() noexcept {
-  if (!has_hand()) return;
   if (other != nullptr && other->has_hand()) {
     const HandPlace its = other->followed();
     seen.met = (followed().palm_px - its.palm_px).norm() < its.reach_px();
   } else if (other == nullptr || !other->has_followed()) {
     seen.met = false;
   }
-  if (!seen.met) seen.own = seen.hypotheses.best().appearance;
+  // What strays over an empty room turns over as it likes.
+  if (!seen.met && holds_hand()) seen.own = seen.hypotheses.best().appearance;
 }
 
 bool HandTracker::Impl::follows_hand_of_other() const noexcept {
