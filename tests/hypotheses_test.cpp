@@ -110,7 +110,7 @@ TEST(Hypotheses, LaidAnewWhenTheLightChangesFaceAndOrientationStayAndTheColoursA
   ASSERT_TRUE(follow());
   const Hypothesis before = hand.ways.best();
   ASSERT_EQ(before.appearance.face, Face::palm);
-  ASSERT_GT(before.alignment.log_ratio, BeliefConfig{}.seen);
+  ASSERT_GT(before.alignment.log_ratio, BeliefConfig{}.seen());
 
   hand.film.extra = [](test::Picture& picture) {  // a dim and bluish lamp
     for (int y = 0; y < 480; ++y)
@@ -122,7 +122,7 @@ TEST(Hypotheses, LaidAnewWhenTheLightChangesFaceAndOrientationStayAndTheColoursA
       }
   };
   Hypotheses lost = hand.ways;
-  EXPECT_TRUE(!follow() || hand.ways.best().alignment.log_ratio < BeliefConfig{}.seen)
+  EXPECT_TRUE(!follow() || hand.ways.best().alignment.log_ratio < BeliefConfig{}.seen())
       << "it is not followed by colours that are gone";
 
   ASSERT_TRUE(lost.lay_anew(hand.film.picture().view(), hand.film.camera, {}, hand.aligner));

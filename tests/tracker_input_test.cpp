@@ -250,6 +250,19 @@ TEST(TrackerInput, TheSameInputGivesTheSameResultBitByBit) {
   }
 }
 
+TEST(TrackerInput, HardlyAnySmoothingGivesPosesToo) {
+  Config config;
+  config.smoothing = 1e-12;
+  Film film(config);
+  ASSERT_LT(film.until(State::tracking, 1), 1);
+  for (int i = 0; i < 30; ++i) {
+    const TrackResult& r = film.next();
+    ASSERT_TRUE(r.pose) << "frame " << film.frame;
+    EXPECT_TRUE(r.pose->covariance.allFinite());
+    EXPECT_LT(test::rotation_error_rad(film.T_camera_hand, r.pose->T_camera_hand), deg(3));
+  }
+}
+
 TEST(TrackerInput, TheResultSaysWhatIsAssumed) {
   Camera camera = Camera::from_field_of_view(640, 480);
   HandModel hand = average_adult_hand();

@@ -14,7 +14,7 @@ struct Config {
   std::optional<Side> side;
 
   /// 1: as designed; larger: smoother, and later when the hand speeds up; 0: the pose of each frame
-  /// as it is. Divides the accelerations of PoseFilterConfig.
+  /// as it is; less than 0.001 else counts as that. Divides the accelerations of PoseFilterConfig.
   double smoothing = 1.0;
 
   /// Clock for StageTimes, in seconds; null: times stay zero. Nothing else depends on it.

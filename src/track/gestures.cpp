@@ -162,13 +162,13 @@ PartShares Gestures::shares(const HandState& state, const ImageView& frame, cons
 Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, const Camera& camera,
                          const TrackerConfig& config, const Aligner& aligner) const noexcept {
   double outstretched = ratio(Gesture::open);
-  if (tracked && tracked->alignment.log_ratio > config.belief.seen)
+  if (tracked && tracked->alignment.log_ratio > config.belief.seen())
     outstretched = std::max(outstretched, tracked->alignment.log_ratio);
   // Better by as much as tells a hand from none; a four need only explain the picture better.
-  if (ratio(Gesture::fist) > std::max(kLeastFist, outstretched + config.belief.seen) &&
+  if (ratio(Gesture::fist) > std::max(kLeastFist, outstretched + config.belief.seen()) &&
       is_fist(shares(laid(Gesture::fist).state, frame, camera, aligner)))
     return Gesture::fist;
-  if (ratio(Gesture::four) > std::max(config.belief.seen, outstretched) &&
+  if (ratio(Gesture::four) > std::max(config.belief.seen(), outstretched) &&
       is_four(shares(laid(Gesture::four).state, frame, camera, aligner)))
     return Gesture::four;
   return Gesture::open;
@@ -211,7 +211,7 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Person
   if (gesture_ != Gesture::open) return;  // it may come back
   leader_ = Gesture::open;
   // Fingers between two postures are followed wherever the picture leads them: better to stay.
-  holds_ = !(tracked && tracked->alignment.log_ratio > config.belief.seen) &&
+  holds_ = !(tracked && tracked->alignment.log_ratio > config.belief.seen()) &&
            is_folding(shares(hand_.alignment.state, frame, camera, aligner));
 }
 

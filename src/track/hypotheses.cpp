@@ -203,8 +203,8 @@ void Hypotheses::expect(const HandCandidate* seen, const Camera& camera, double 
     if (seen == nullptr) continue;
     h.fingers = on_hand(rough_fingers(*seen), h.appearance, h.alignment.state, camera);
     if (h.appearance.face == Face::palm)
-      h.log_weight +=
-          share * std::clamp<double>(seen->palm_log_odds, -belief.most_frame, belief.most_frame);
+      h.log_weight += share * std::clamp<double>(seen->palm_log_odds, -belief.most_frame(),
+                                                 belief.most_frame());
   }
 }
 
@@ -251,7 +251,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
       return aligner.align(frame, camera, h.appearance, expected, prior, steps);
     };
     h.alignment = laid(kNearSteps);
-    if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen) {
+    if (!h.alignment.valid || h.alignment.log_ratio < config.belief.seen()) {
       h.liveliness = 1;  // what does not lie there any more may have moved its fingers
       const Alignment far = laid(kFarSteps);
       if (!h.alignment.valid || (far.valid && far.log_posterior > h.alignment.log_posterior))
@@ -288,7 +288,7 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, double
   alternative.alignment =
       aligner.align(frame, camera, appearance, start,
                     prior_around(start, now.person, kLongAgo_s, config, now.liveliness), kFarSteps);
-  alternative.log_weight = now.log_weight - config.belief.most_frame;
+  alternative.log_weight = now.log_weight - config.belief.most_frame();
   keep_distinct(alternative);
 }
 

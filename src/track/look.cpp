@@ -50,9 +50,7 @@ double HandTracker::Impl::verdict() const noexcept {
 
 void HandTracker::Impl::find(const ImageView& frame) noexcept {
   if (has_hand()) {
-    constexpr float kReaches = 3.9f;
-    const HandPlace now = followed();
-    candidates = finder.look(frame, now.region(kReaches * now.reach_px()));
+    candidates = finder.look(frame, followed().region());
     if (verdict() > 0) return;
   }
   candidates = finder.search(frame);
@@ -70,7 +68,7 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
   find(frame);
   if (had) {
     const double share = std::min(1.0, since_s / limits.same_s);
-    seen.belief += share * std::clamp(verdict(), -limits.most_frame, limits.most_frame);
+    seen.belief += share * std::clamp(verdict(), -limits.most_frame(), limits.most_frame());
     seen.hypotheses.expect(seen_again(), camera, share, limits);
   }
   seen.read_otherwise = false;
@@ -88,7 +86,7 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     if (!held && reading == Reading::otherwise) reading = Reading::elsewhere;
     const bool same = reading == Reading::same;
     if ((held && same) || is_of_other(candidate) || is_for_other(candidate, reading) ||
-        (reading == Reading::elsewhere && candidate.log_odds + config.belief.most_frame < belief))
+        (reading == Reading::elsewhere && candidate.log_odds + config.belief.most_frame() < belief))
       continue;
     Hypotheses fresh = seen.hypotheses;
     if (!(same ? fresh.lay_anew(frame, camera, config, scout)
