@@ -159,7 +159,7 @@ TEST(Finder, LooksAtAKnownHandUpright) {
     return hand;
   };
   const auto looked = [&](const Picture& picture, const HandPlace& hand) {
-    const auto found = finder.look(picture.view(), hand.region());
+    const auto found = finder.look(picture.view(), hand.region(2.6f * hand.span_px()));
     return found.empty() ? HandCandidate{} : found[0];
   };
   using Place = Eigen::Vector2f;

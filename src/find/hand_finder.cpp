@@ -17,8 +17,8 @@ using Network = FinderNetwork;
 
 // Of one sample at most so many pixels a side are read: in large frames every second or third.
 constexpr int kMostReads = 4;
-// A look at a known hand is so many times as wide as the hand reaches.
-constexpr float kRoom = 3.9f;
+// The second look takes in so many spans around the hand.
+constexpr float kSecondLook = 2.6f;
 // Fingertips that are nearer than this share of a hand's reach are the same.
 constexpr float kSameTips = 0.25f;
 
@@ -38,13 +38,13 @@ bool HandPlace::same_tips(const HandPlace& other) const noexcept {
   return true;
 }
 
-FinderRegion HandPlace::region() const noexcept {
+FinderRegion HandPlace::region(float width_px) const noexcept {
   Eigen::Vector2f around_px = palm_px, up = Eigen::Vector2f::Zero();
   for (const Eigen::Vector2f& tip_px : tips_px) around_px += tip_px;
   for (int f = 1; f < kFingerCount; ++f) up += tips_px[f] - palm_px;
   const bool upright = std::abs(up.y()) >= std::abs(up.x());
   (upright ? up.x() : up.y()) = 0;
-  return {around_px / (1 + kFingerCount), kRoom * reach_px(), up.normalized()};
+  return {around_px / (1 + kFingerCount), width_px, up.normalized()};
 }
 
 struct HandFinder::Impl {
@@ -157,7 +157,7 @@ std::span<const HandCandidate> HandFinder::search(const ImageView& frame) noexce
     finder.look(frame, {middle + off, 0.5f * whole});
   }
   if (const auto found = finder.candidates.items(); !found.empty())
-    finder.look(frame, found[0].region());
+    finder.look(frame, found[0].region(kSecondLook * found[0].span_px()));
   finder.tell_faces(frame);
   const auto found = finder.candidates.items();
   // Where a hand is likely the next frame is searched in the same way.

@@ -50,7 +50,9 @@ double HandTracker::Impl::verdict() const noexcept {
 
 void HandTracker::Impl::find(const ImageView& frame) noexcept {
   if (has_hand()) {
-    candidates = finder.look(frame, followed().region());
+    constexpr float kReaches = 3.9f;
+    const HandPlace now = followed();
+    candidates = finder.look(frame, now.region(kReaches * now.reach_px()));
     if (verdict() > 0) return;
   }
   candidates = finder.search(frame);

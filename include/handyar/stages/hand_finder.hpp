@@ -35,8 +35,8 @@ struct HandPlace {
   float reach_px() const noexcept;
   /// Whether each fingertip is about where the other's is.
   bool same_tips(const HandPlace& other) const noexcept;
-  /// A part of the frame with the hand in its middle, upright, and room around it.
-  FinderRegion region() const noexcept;
+  /// A part of the frame with the hand in its middle, upright.
+  FinderRegion region(float width_px) const noexcept;
 };
 
 /// Where an open hand may be: its fingertips are right to some hundredths of the span.
