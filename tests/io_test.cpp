@@ -136,7 +136,10 @@ TEST_F(IoTest, CameraIsReadBackAsWritten) {
   EXPECT_EQ(read.cy_px, camera.cy_px);
   EXPECT_EQ(read.distortion, camera.distortion);
   EXPECT_EQ(read.readout_s, 0.025);
-  EXPECT_FALSE(read.assumed);
+  EXPECT_TRUE(read.assumed) << "an assumed camera does not become a calibrated one in a file";
+  camera.assumed = false;
+  write_camera(path("camera.yml"), camera);
+  EXPECT_FALSE(read_camera(path("camera.yml")).assumed);
   EXPECT_EQ(files(), 1u);
 }
 
@@ -190,6 +193,9 @@ TEST_F(IoTest, FaultyCameraFilesAreRefusedByField) {
       {"image_width", "readout_s: 25\nimage_width", "readout_s must be a number from 0 to 0.1"},
       {"image_width", "readout_s: .nan\nimage_width", "readout_s must be a number from 0 to 0.1"},
       {"image_width", "readout_s: all\nimage_width", "readout_s must be a number from 0 to 0.1"},
+      {"image_width", "assumed: 1\nimage_width", ""},
+      {"image_width", "assumed: yes\nimage_width", "assumed must be 0 or 1"},
+      {"image_width", "assumed: 2\nimage_width", "assumed must be 0 or 1"},
   };
   for (const auto& c : cases) {
     const std::string text = replaced(camera_text(), c.what, c.by);
@@ -215,7 +221,10 @@ TEST_F(IoTest, FaultyCameraFilesAreRefusedByField) {
 }
 
 TEST_F(IoTest, CameraFitsOtherSizesOfTheSameShapeOnly) {
-  const Camera camera = Camera::from_field_of_view(1280, 960);
+  const Camera assumed = Camera::from_field_of_view(1280, 960);
+  EXPECT_EQ(camera_for_size(assumed, 960, 1280, "c.yml").fx_px, assumed.fx_px);
+  Camera camera = assumed;
+  camera.assumed = false;
   const Camera half = camera_for_size(camera, 640, 480, "c.yml");
   EXPECT_EQ(half.width_px, 640);
   EXPECT_NEAR(half.fx_px, camera.fx_px / 2, 1e-9);

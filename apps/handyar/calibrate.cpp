@@ -195,6 +195,8 @@ int calibrate(const CalibrateRun& run) {
   if (!camera_file.empty()) {
     camera = io::camera_for_size(io::read_camera(camera_file), info.width_px, info.height_px,
                                  camera_file);
+    if (camera->assumed)
+      std::cerr << "handyar: " << camera_file << ": its field of view is assumed, not calibrated\n";
   } else if (run.assume_camera) {
     camera = Camera::from_field_of_view(info.width_px, info.height_px);
     std::cerr << "handyar: no --camera: a field of view of 60 degrees is assumed\n";

@@ -42,6 +42,7 @@ Camera camera_of(const TrackingRun& run, const io::SourceInfo& input, Notes& not
     return Camera::from_field_of_view(input.width_px, input.height_px);
   }
   const Camera camera = io::read_camera(file);
+  if (camera.assumed) notes.push_back(file + ": its field of view is assumed, not calibrated");
   if (camera.width_px == input.width_px && camera.height_px == input.height_px) return camera;
   const Camera scaled = io::camera_for_size(camera, input.width_px, input.height_px, file);
   const auto size = [](const auto& of) {

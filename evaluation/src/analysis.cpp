@@ -76,8 +76,8 @@ std::vector<std::string> what_is_unknown(const Analysis& a) {
         "honesty of the covariance cannot be said.");
   if (s.camera.assumed)
     u.push_back(
-        "The camera was not calibrated (60 degrees across were assumed): lengths and angles "
-        "are approximate.");
+        "The camera was not calibrated (its field of view was assumed): lengths and angles are "
+        "approximate.");
   if (s.hand.scale_assumed())
     u.push_back(
         "The hand was not measured (an average adult's was assumed): distances have the "

@@ -136,6 +136,15 @@ class YamlReader {
     return value;
   }
 
+  // False where there is none.
+  bool flag(const char* key) const {
+    const cv::FileNode node = storage_[key];
+    if (node.empty()) return false;
+    const int value = node.isInt() ? static_cast<int>(node) : -1;
+    if (value != 0 && value != 1) fail(std::string(key) + " must be 0 or 1");
+    return value == 1;
+  }
+
   std::string text(const char* key) const {
     const cv::FileNode node = storage_[key];
     return node.isString() ? static_cast<std::string>(node) : std::string();
@@ -238,6 +247,7 @@ Camera parse_camera(std::string_view text, std::string_view name) {
     read_distortion(file, camera);
     require_unfolded(file, camera);
     camera.readout_s = file.seconds("readout_s", kLongestReadout_s);
+    camera.assumed = file.flag("assumed");
     return camera;
   } catch (const cv::Exception&) {
     throw Error(name, "is not a camera file (YAML)");
@@ -261,13 +271,14 @@ void write_camera(const std::string& path, const Camera& camera) {
     append(text += "readout_s: ", camera.readout_s);
     text += '\n';
   }
+  if (camera.assumed) text += "assumed: 1\n";
   write_text(path, text);
 }
 
 Camera camera_for_size(const Camera& camera, int width_px, int height_px, const std::string& path) {
   const double scale_x = static_cast<double>(width_px) / camera.width_px;
   const double height_expected_px = camera.height_px * scale_x;
-  if (std::abs(height_expected_px - height_px) > 1.0) {
+  if (!camera.assumed && std::abs(height_expected_px - height_px) > 1.0) {
     throw Error(path, "is for pictures of " + std::to_string(camera.width_px) + "x" +
                           std::to_string(camera.height_px) + " pixels, the input has " +
                           std::to_string(width_px) + "x" + std::to_string(height_px) +

@@ -37,9 +37,11 @@ export function readCamera(text, name = 'camera.yml') {
     fail(`distortion_model ${model} is not supported, only plumb_bob`);
   const distortion = numbers('distortion_coefficients', [4, 5, 8]);
   if (distortion.slice(5).some((k) => k !== 0)) fail('distortion_coefficients: only five may be in use');
+  const assumed = /^assumed\s*:/m.test(text) ? number('assumed') : 0;
+  if (assumed !== 0 && assumed !== 1) fail('assumed must be 0 or 1');
   const camera = {
     width_px, height_px, fx_px: K[0], fy_px: K[4], cx_px: K[2], cy_px: K[5],
-    distortion: [...distortion, 0].slice(0, 5), assumed: false };
+    distortion: [...distortion, 0].slice(0, 5), assumed: assumed === 1 };
   if (!(camera.fx_px > 0 && camera.fy_px > 0)) fail('a focal length is not positive');
   const inside = (c, size) => c >= -0.5 && c <= size - 0.5;
   if (!inside(camera.cx_px, width_px) || !inside(camera.cy_px, height_px))

@@ -91,9 +91,11 @@ test('a camera file is read, and its faults are named', () => {
   const camera = readCamera(camera_text);
   assert.deepEqual([camera.width_px, camera.fx_px, camera.cy_px, camera.assumed], [640, 618, 236.94, false]);
   assert.deepEqual(readCamera(`distortion_model: "plumb_bob"\n${camera_text}`), camera);
+  assert.deepEqual(readCamera(`${camera_text}assumed: 1\n`), { ...camera, assumed: true });
   for (const [from, to, fault] of [
     ['image_width: 640', '', /^c\.yml: image_width is missing$/],
     ['image_width: 640', 'image_width: 640.5', /^c\.yml: image_width is not a whole number above 0$/],
+    ['image_width', 'assumed: 2\nimage_width', /^c\.yml: assumed must be 0 or 1$/],
     ['image_width', 'distortion_model: equidistant\nimage_width', /^c\.yml: distortion_model equidistant is not supported/],
     ['618.0, 0.0, 322.38', '618.0, 322.38', /^c\.yml: camera_matrix has 8 numbers$/],
     ['618.0', 'x', /^c\.yml: camera_matrix holds something that is not a number$/],

@@ -17,8 +17,8 @@ Camera parse_camera(std::string_view text, std::string_view name);
 
 void write_camera(const std::string& path, const Camera& camera);
 
-/// The camera for pictures of another size: scaled when the aspect is the same (to within a pixel),
-/// else an Error that names `path`.
+/// The camera for pictures of another size: scaled when the aspect is the same (to within a pixel)
+/// or it is an assumed one, else an Error that names `path`.
 Camera camera_for_size(const Camera& camera, int width_px, int height_px, const std::string& path);
 
 }  // namespace handyar::io
