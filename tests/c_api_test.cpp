@@ -381,5 +381,37 @@ TEST(CApi, ProjectsLikeTheCamera) {
   EXPECT_EQ(handyar_project(&camera, behind_m, px), HANDYAR_BAD_ARGUMENT);
 }
 
+TEST(CApi, WhatIsNoNumberIsNotProjected) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const handyar_camera camera = camera_of(640, 480);
+  const auto project = [](const handyar_camera& c, double x, double y, double z) {
+    const double point_m[3] = {x, y, z};
+    double px[2] = {7, 7};
+    const handyar_status status = handyar_project(&c, point_m, px);
+    EXPECT_EQ(px[0] == 7, status != HANDYAR_OK) << "a refused point has no pixel";
+    return status;
+  };
+  EXPECT_EQ(project(camera, 0, 0, 1), HANDYAR_OK);
+  EXPECT_EQ(project(camera, nan, 0, 1), HANDYAR_BAD_ARGUMENT);
+  EXPECT_EQ(project(camera, 0, nan, 1), HANDYAR_BAD_ARGUMENT);
+  EXPECT_EQ(project(camera, 0, 0, nan), HANDYAR_BAD_ARGUMENT);
+  EXPECT_EQ(project(camera, 0, 0, infinity), HANDYAR_BAD_ARGUMENT);
+  EXPECT_EQ(project(camera, 1, 0, 1e-310), HANDYAR_BAD_ARGUMENT);
+  for (double handyar_camera::*value : {&handyar_camera::fx_px, &handyar_camera::cy_px}) {
+    handyar_camera bad = camera;
+    bad.*value = nan;
+    EXPECT_EQ(project(bad, 0, 0, 1), HANDYAR_BAD_ARGUMENT);
+  }
+  handyar_camera bad = camera;
+  bad.distortion[4] = nan;
+  EXPECT_EQ(project(bad, 0, 0, 1), HANDYAR_BAD_ARGUMENT);
+  bad = camera;
+  bad.width_px = 0;
+  EXPECT_EQ(project(bad, 0, 0, 1), HANDYAR_BAD_ARGUMENT);
+  for (const double fov_rad : {nan, infinity, 0.0, 4.0, 1e-310})
+    EXPECT_EQ(handyar_camera_from_field_of_view(640, 480, fov_rad, &bad), HANDYAR_BAD_ARGUMENT);
+}
+
 }  // namespace
 }  // namespace handyar

@@ -320,17 +320,22 @@ handyar_status handyar_camera_from_field_of_view(int32_t width_px, int32_t heigh
       !(fov_rad < std::numbers::pi))
     return HANDYAR_BAD_ARGUMENT;
   if (!sized(camera)) return HANDYAR_BAD_SIZE;
-  give(to_c(handyar::Camera::from_field_of_view(width_px, height_px, fov_rad)), camera);
+  const handyar_camera made =
+      to_c(handyar::Camera::from_field_of_view(width_px, height_px, fov_rad));
+  if (!is_valid(made)) return HANDYAR_BAD_ARGUMENT;  // so narrow that its focal length is infinite
+  give(made, camera);
   return HANDYAR_OK;
 }
 
 handyar_status handyar_project(const handyar_camera* camera, const double point_camera_m[3],
                                double px[2]) {
-  if (camera == nullptr || point_camera_m == nullptr || px == nullptr || !(point_camera_m[2] > 0))
-    return HANDYAR_BAD_ARGUMENT;
+  if (camera == nullptr || point_camera_m == nullptr || px == nullptr) return HANDYAR_BAD_ARGUMENT;
   if (!sized(camera)) return HANDYAR_BAD_SIZE;
-  const Eigen::Vector2d at =
-      to_cpp(taken(*camera)).project({point_camera_m[0], point_camera_m[1], point_camera_m[2]});
+  const handyar_camera known = taken(*camera);
+  const Eigen::Vector3d point_m(point_camera_m[0], point_camera_m[1], point_camera_m[2]);
+  if (!is_valid(known) || !point_m.allFinite() || !(point_m.z() > 0)) return HANDYAR_BAD_ARGUMENT;
+  const Eigen::Vector2d at = to_cpp(known).project(point_m);
+  if (!at.allFinite()) return HANDYAR_BAD_ARGUMENT;  // as good as beside the camera
   px[0] = at.x();
   px[1] = at.y();
   return HANDYAR_OK;

@@ -237,7 +237,8 @@ HANDYAR_API handyar_status handyar_camera_from_field_of_view(int32_t width_px, i
                                                              double fov_rad,
                                                              handyar_camera* camera);
 
-/* The pixel of a point in the camera frame, which lies before the camera (z > 0). */
+/* The pixel of a point in the camera frame, which lies before the camera (z > 0). Of what is no
+ * finite number, in the camera or in the point, there is none: HANDYAR_BAD_ARGUMENT. */
 HANDYAR_API handyar_status handyar_project(const handyar_camera* camera,
                                            const double point_camera_m[3], double px[2]);
 
