@@ -188,6 +188,38 @@ TEST_F(RendererTest, FollowsTheDistortionOfTheCamera) {
   }
 }
 
+/// A strip across, of many pieces: its longest side is 1.
+Model strip() {
+  constexpr int kPieces = 32;
+  Mesh mesh;
+  for (int i = 0; i <= kPieces; ++i)
+    for (const float z : {0.0f, 0.02f})
+      mesh.vertices.push_back({{float(i) / kPieces - 0.5f, 0, z}, Eigen::Vector3f::UnitY()});
+  for (std::uint32_t i = 0; i < 2 * kPieces; i += 2)
+    for (const std::uint32_t corner : {0u, 1u, 2u, 2u, 1u, 3u}) mesh.indices.push_back(i + corner);
+  return {{mesh}};
+}
+
+TEST_F(RendererTest, StrongDistortionCutsNothingOff) {
+  Camera bent = camera;
+  bent.distortion[0] = -0.3;
+  Isometry3d T = Isometry3d::Identity();  // the strip's height is up in the picture
+  T.linear() = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX()).toRotationMatrix();
+  const auto shows = [&](const Vector3d& foot, double length_m, const Vector3d& p) {
+    T.translation() = foot;
+    Instance instance = red(T, length_m);
+    instance.model = renderer.add(strip());
+    cv::Mat bgr = frame();
+    renderer.draw(bgr, bent, {&instance, 1});
+    const Vector2d px = bent.project(p);
+    return is_red(bgr.at<cv::Vec3b>(cvRound(px.y()), cvRound(px.x())));
+  };
+  // It bends outwards between its ends.
+  EXPECT_TRUE(shows({0, -0.3, 1}, 1.1, {0, -0.303, 1}));
+  // Its end is so far to the side that the distortion brings it back.
+  EXPECT_TRUE(shows({0.85, 0, 1}, 1.3, {0.64, -0.012, 1}));
+}
+
 TEST_F(RendererTest, AModelThatMovesIsWhereItsTimeHasIt) {
   Model moving = cube();  // to its right by three of its sides and back, in two seconds
   Mesh& mesh = moving.meshes[0];

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "handyar/opencv/lens.hpp"
+
 namespace handyar {
 namespace {
 
@@ -125,20 +127,23 @@ void draw_axes(const Pen& pen, const Camera& camera, const Eigen::Isometry3d& T_
   const char* const names[3] = {"x", "y", "z"};
   const Eigen::Vector3d origin = T_camera_hand.translation();
   if (origin.z() <= 2 * kAxisLength_m) return;
-  const Eigen::Vector2d origin_px = camera.project(origin);
+  const auto origin_px = shown_at(camera, origin);
+  if (!origin_px) return;
   int order[3] = {0, 1, 2};  // the axis that points at the camera lies over the others
   std::sort(order, order + 3, [&](int a, int b) {
     return T_camera_hand.linear()(2, a) > T_camera_hand.linear()(2, b);
   });
   for (const int axis : order) {
     const Eigen::Vector3d end = origin + kAxisLength_m * T_camera_hand.linear().col(axis);
-    const Eigen::Vector2d end_px = camera.project(end);
-    pen.line(origin_px, end_px, colors[axis], 2.5);
-    const Eigen::Vector2d along = end_px - origin_px;
+    const auto end_px = shown_at(camera, end);
+    if (!end_px) continue;
+    pen.line(*origin_px, *end_px, colors[axis], 2.5);
+    const Eigen::Vector2d along = *end_px - *origin_px;
     if (along.norm() < 6 * pen.unit) continue;
-    pen.centered_text(names[axis], end_px + 10 * pen.unit * along.normalized(), 0.45, colors[axis]);
+    pen.centered_text(names[axis], *end_px + 10 * pen.unit * along.normalized(), 0.45,
+                      colors[axis]);
   }
-  pen.dot(origin_px, 3, kWhite);
+  pen.dot(*origin_px, 3, kWhite);
 }
 
 std::string status_line(const TrackResult& result, bool mirrored, const std::string& missing,

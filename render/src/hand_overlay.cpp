@@ -2,6 +2,7 @@
 #include "handyar/render/hand_overlay.hpp"
 
 #include "hand_distance.hpp"
+#include "handyar/opencv/lens.hpp"
 
 namespace handyar::render {
 
@@ -11,8 +12,8 @@ namespace {
 bool on_hand(const Eigen::Vector3d& p_camera, const HandMask& mask, const Camera& camera) {
   constexpr double kBeside = 0.02;  // of the picture's width: masks have holes
   if (mask.width == 0) return true;
-  if (p_camera.z() <= 0) return false;
-  return distance_px(mask, camera.project(p_camera)) <= kBeside * camera.width_px;
+  const auto px = shown_at(camera, p_camera);
+  return px && distance_px(mask, *px) <= kBeside * camera.width_px;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "hand_distance.hpp"
 #include "handyar/attachment.hpp"
+#include "handyar/opencv/lens.hpp"
 
 namespace handyar::render {
 namespace {
@@ -108,9 +109,10 @@ double InspectionView::distance_to_px(std::size_t i, const Camera& camera,
   const double size_m = scene_.objects[i].size_m;
   const Eigen::Vector3d centre =
       *p.T_camera_object * Eigen::Vector3d(0, 0, 0.5 * size_m * p.box.sizes().z());
-  if (centre.z() <= 0) return kInfinity;
+  const auto centre_px = shown_at(camera, centre);
+  if (!centre_px) return kInfinity;
   const double radius_px = camera.fx_px * 0.5 * size_m / centre.z();
-  const double distance = std::max(0.0, distance_px(hand.mask, camera.project(centre)) - radius_px);
+  const double distance = std::max(0.0, distance_px(hand.mask, *centre_px) - radius_px);
   return distance * 640.0 / camera.width_px;
 }
 

@@ -2,14 +2,17 @@
 #include "handyar/render/renderer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "bake.hpp"
 #include "gl.hpp"
+#include "handyar/opencv/lens.hpp"
 #include "illumination.hpp"
 #include "matte.hpp"
 #include "shaders.hpp"
@@ -151,17 +154,10 @@ struct Target {
   }
 };
 
-/// Squared radius up to which distortion grows outwards (past it the polynomial is meaningless).
-float monotonic_r2(const Camera& camera) {
-  const auto& d = camera.distortion;
-  for (double r2 = 0; r2 < 9; r2 += 0.01)
-    if (1 + r2 * (3 * d[0] + r2 * (5 * d[1] + r2 * 7 * d[4])) <= 0) return static_cast<float>(r2);
-  return 9;
-}
-
 /// Part of the frame that the instances and their shadows can touch.
 cv::Rect region_of(const Camera& camera, std::span<const Instance> instances,
                    const std::vector<GpuModel>& models) {
+  constexpr std::array kShares{0.0, 0.25, 0.5, 0.75, 1.0};  // of an edge: distortion bends it
   Eigen::AlignedBox2d all;
   for (const Instance& instance : instances) {
     if (instance.opacity <= 0) continue;
@@ -170,13 +166,17 @@ cv::Rect region_of(const Camera& camera, std::span<const Instance> instances,
       box.extend(Vector3f(-1, -1, 0));
       box.extend(Vector3f(1, 1, 0));
     }
-    for (int i = 0; i < 8; ++i) {
-      const auto corner = static_cast<Eigen::AlignedBox3f::CornerType>(i);
-      const Eigen::Vector3d p =
-          instance.T_camera_object * (instance.size_m * box.corner(corner).cast<double>());
-      if (p.z() < 0.01) return {0, 0, camera.width_px, camera.height_px};
-      all.extend(camera.project(p));
-    }
+    const Eigen::Vector3d low = box.min().cast<double>(), sizes = box.sizes().cast<double>();
+    for (const double x : kShares)
+      for (const double y : kShares)
+        for (const double z : kShares) {
+          const Eigen::Vector3d p_object =
+              instance.size_m * (low + Eigen::Vector3d(x, y, z).cwiseProduct(sizes));
+          const Eigen::Vector3d p = instance.T_camera_object * p_object;
+          const auto px = p.z() < 0.01 ? std::nullopt : shown_at(camera, p);
+          if (!px) return {0, 0, camera.width_px, camera.height_px};
+          all.extend(*px);
+        }
   }
   if (all.isEmpty()) return {};
   constexpr double kFar = 1e4;  // keeps the corners within what an int holds
@@ -244,7 +244,7 @@ struct Renderer::Impl {
     std::array<float, 5> k;
     std::copy(camera.distortion.begin(), camera.distortion.end(), k.begin());
     glUniform1fv(program["k"], 5, k.data());
-    glUniform1f(program["r2_max"], monotonic_r2(camera));
+    glUniform1f(program["r2_max"], float(unfolded_r2(camera)));
     glUniform2f(program["size_px"], float(camera.width_px), float(camera.height_px));
     glUniform1i(program["matte"], 1);
     glUniform2i(program["matte_origin_px"], region.x, region.y);

@@ -4,6 +4,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "handyar/opencv/lens.hpp"
+
 namespace handyar::world {
 namespace {
 
@@ -20,10 +22,11 @@ void hide_forearm(cv::Mat& free, const Eigen::Isometry3d& T_camera_hand, const C
     const Eigen::Vector3d a = T_camera_hand * Eigen::Vector3d(-half_m, y_m, 0);
     const Eigen::Vector3d b = T_camera_hand * Eigen::Vector3d(half_m, y_m, 0);
     if (a.z() < 0.05 || b.z() < 0.05) break;
-    const Eigen::Vector2d a_px = camera.project(a), b_px = camera.project(b);
-    if (a_px.cwiseAbs().maxCoeff() > 1e4 || b_px.cwiseAbs().maxCoeff() > 1e4) break;
-    left.emplace_back(static_cast<int>(a_px.x()), static_cast<int>(a_px.y()));
-    right.emplace_back(static_cast<int>(b_px.x()), static_cast<int>(b_px.y()));
+    const auto a_px = shown_at(camera, a), b_px = shown_at(camera, b);
+    if (!a_px || !b_px) break;
+    if (a_px->cwiseAbs().maxCoeff() > 1e4 || b_px->cwiseAbs().maxCoeff() > 1e4) break;
+    left.emplace_back(static_cast<int>(a_px->x()), static_cast<int>(a_px->y()));
+    right.emplace_back(static_cast<int>(b_px->x()), static_cast<int>(b_px->y()));
   }
   left.insert(left.end(), right.rbegin(), right.rend());
   if (left.size() > 2) cv::fillPoly(free, std::vector<std::vector<cv::Point>>{left}, 0);

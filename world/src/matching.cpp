@@ -9,6 +9,7 @@
 #include <opencv2/video/tracking.hpp>
 #include <optional>
 
+#include "handyar/opencv/lens.hpp"
 #include "handyar/opencv/types.hpp"
 
 namespace handyar::world {
@@ -211,8 +212,8 @@ const cv::TermCriteria kFlowEnd{cv::TermCriteria::COUNT | cv::TermCriteria::EPS,
 std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& p_world, const View& view) {
   const Eigen::Vector3d p = view.T_camera_world * p_world;
   if (p.z() < 0.02 || p.head<2>().norm() > 2 * p.z()) return std::nullopt;
-  const Eigen::Vector2d px = view.camera.project(p);
-  if (!within(px, {view.camera.width_px, view.camera.height_px})) return std::nullopt;
+  const auto px = shown_at(view.camera, p);
+  if (!px || !within(*px, {view.camera.width_px, view.camera.height_px})) return std::nullopt;
   return px;
 }
 
