@@ -9,6 +9,7 @@
 #include <regex>
 
 #include "evaluation_files.hpp"
+#include "handyar/evaluation/footage.hpp"
 #include "handyar/evaluation/pictures.hpp"
 #include "handyar/evaluation/report.hpp"
 #include "handyar/io/frame_source.hpp"
@@ -103,6 +104,42 @@ TEST(Report, SameInputSameFigures) {
   }
   EXPECT_GT(rows[0].size(), 100u);
   EXPECT_EQ(rows[0], rows[1]);
+}
+
+TEST(Report, OfAnEarlierOneNothingStays) {
+  const TemporaryFolder folder;
+  const std::string report = folder / "report";
+  const auto there = [&](const std::string& name) { return fs::exists(fs::path(report) / name); };
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(fs::path(report) / name) << text;
+  };
+  Analysis named = compare_sequence();
+  named.recording.sequence.name = "with \"quotes\", and a comma";
+  const StillResult still{StillResult::Outcome::not_found, "a.jpg", "a", "", kUnknown, {}};
+  write_report(report, {"handyar evaluate", "0"}, {named}, {still});
+  ASSERT_TRUE(there("poses/" + named.recording.sequence.name + ".csv") && there("stills.csv"));
+  write("figure8-" + named.recording.sequence.name + ".png", "as gnuplot draws it");
+  write("figure8-other.png", "of the person");
+  write("poses/other.csv", "of the person");
+
+  FootageFigures clip;
+  clip.name = "clip";
+  write_distribution(report, {clip, clip});
+  for (const char* of_the_program :
+       {"report.html", "tables.csv", "tables.md", "errors.csv", "stills.csv"})
+    EXPECT_FALSE(there(of_the_program)) << of_the_program;
+  EXPECT_TRUE(fs::exists(report + "/poses/other.csv") && there("figure8-other.png"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(report + "/poses"), fs::directory_iterator()), 1);
+  EXPECT_FALSE(there("figure8-" + named.recording.sequence.name + ".png"));
+  ASSERT_TRUE(there("sequences.csv") && there("worst-2.jpg"));
+
+  write_distribution(report, {clip});
+  EXPECT_TRUE(there("worst-1.jpg"));
+  EXPECT_FALSE(there("worst-2.jpg"));
+  write("stills.csv", "file,thumb_x,thumb_y\n");
+  write_report(report, {"handyar evaluate", "0"}, {compare_sequence()}, {});
+  EXPECT_FALSE(there("sequences.csv") || there("distribution.md") || there("worst-1.jpg"));
+  EXPECT_EQ(text_of(report + "/stills.csv"), "file,thumb_x,thumb_y\n") << "a person's own list";
 }
 
 TEST(Report, AClipOfWhichNothingIsKnownSaysSo) {

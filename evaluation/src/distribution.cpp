@@ -3,14 +3,13 @@
 #include <cmath>
 #include <cstdio>
 
+#include "earlier_report.hpp"
 #include "handyar/evaluation/footage.hpp"
 #include "handyar/evaluation/tables.hpp"
 #include "handyar/io/pending_file.hpp"
 
 namespace handyar::evaluation {
 namespace {
-
-constexpr std::size_t kWorst = 5;
 
 /// A figure of a sequence; whether less is better decides which tenth is the worst.
 struct Column {
@@ -152,6 +151,7 @@ std::string sequences_csv(const std::vector<FootageFigures>& figures) {
 
 std::string write_distribution(const std::string& folder,
                                const std::vector<FootageFigures>& figures) {
+  remove_earlier_report(folder);
   std::map<std::string, Figures> groups;
   for (const FootageFigures& f : figures) groups[f.group].push_back(&f);
   std::string text = "# How the figures are distributed over sequences\n\n";
@@ -160,7 +160,7 @@ std::string write_distribution(const std::string& folder,
   Figures worst;
   for (const FootageFigures& f : figures) worst.push_back(&f);
   std::stable_sort(worst.begin(), worst.end(), [](auto* a, auto* b) { return is_worse(*a, *b); });
-  worst.resize(std::min(worst.size(), kWorst));
+  worst.resize(std::min(worst.size(), kWorstShown));
   text += "## The worst\n\n";
   for (std::size_t i = 0; i < worst.size(); ++i) {
     const FootageFigures& f = *worst[i];

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "earlier_report.hpp"
 #include "figure8.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/pending_file.hpp"
@@ -131,6 +132,7 @@ std::vector<std::string> write_report(const std::string& folder, const RunDescri
   const auto in_folder = [&](const std::string& name) {
     return (fs::path(folder) / name).string();
   };
+  remove_earlier_report(folder);
   std::error_code fault;
   fs::create_directories(in_folder("poses"), fault);
   if (fault) throw io::Error(folder, "cannot be written to: " + fault.message());

@@ -61,8 +61,8 @@ struct FootageFigures {
 /// and all that is tracked then counts: where a hand is begun is chance, and much hangs on it.
 FootageFigures measure(const Footage& footage, int begins = 1);
 
-/// Writes sequences.csv, distribution.md and worst-1.jpg to worst-5.jpg into the folder; returns
-/// the text of distribution.md. Throws io::Error.
+/// Writes sequences.csv, distribution.md and worst-1.jpg to worst-5.jpg into the folder, in place
+/// of an earlier run's report; returns the text of distribution.md. Throws io::Error.
 std::string write_distribution(const std::string& folder,
                                const std::vector<FootageFigures>& figures);
 

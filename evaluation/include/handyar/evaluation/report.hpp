@@ -24,7 +24,8 @@ struct RunDescription {
 ///     poses/NAME.csv           what the tracker gave (default setting)
 ///     figure8-NAME.png         where a board was seen and gnuplot is installed
 ///
-/// Returns notes for the person (that gnuplot is missing, that truth is short). Throws io::Error.
+/// What an earlier run wrote there as its report goes. Returns notes for the person (that gnuplot
+/// is missing, that truth is short). Throws io::Error.
 std::vector<std::string> write_report(const std::string& folder, const RunDescription& run,
                                       const std::vector<Analysis>& analyses,
                                       const std::vector<StillResult>& stills);
