@@ -202,6 +202,11 @@ TEST(Report, FramesThatTruthDoesNotKnowAreNoted) {
   EXPECT_EQ(std::count(notes.begin(), notes.end(),
                        "compare: truth.json knows 60 of 90 frames; the others are not judged"),
             1);
+  const ErrorColumns columns = error_columns(analyse(r));
+  for (const char* flag : {"eligible", "no_open_hand", "on_other_hand", "wrong"}) {
+    EXPECT_EQ((*columns.find(flag))[59], flag == std::string("eligible")) << flag;
+    EXPECT_TRUE(std::isnan((*columns.find(flag))[60])) << flag << " is empty in errors.csv";
+  }
 }
 
 TEST(Report, ThePapersBoardErrorsStandBesideBoardErrorsOnly) {

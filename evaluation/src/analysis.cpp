@@ -143,18 +143,21 @@ ErrorColumns error_columns(const Analysis& a) {
   const std::vector<TrackResult>& results = a.recording.main_track().results;
   const TrackAnalysis& main = a.main_track();
   const std::size_t n = results.size();
+  // Of frames beyond the truth the flags too are unknown, not false.
+  const std::size_t judged = a.has_truth() ? a.recording.sequence.truth->frames.size() : 0;
   for (const TrackResult& r : results) c.states.emplace_back(name(r.state));
-  const auto add = [&](const std::string& title, auto value_at, bool known = true) {
+  const auto add = [&](const std::string& title, auto value_at) {
     c.names.push_back(title);
-    std::vector<double>& v = c.values.emplace_back(n, kUnknown);
-    for (std::size_t i = 0; known && i < n; ++i) v[i] = value_at(i);
+    std::vector<double>& v = c.values.emplace_back(n);
+    for (std::size_t i = 0; i < n; ++i) v[i] = value_at(i);
   };
   const auto add_list = [&](const std::string& title, const std::vector<double>& list) {
     add(title, [&](std::size_t i) { return i < list.size() ? list[i] : kUnknown; });
   };
   const auto add_error = [&](const std::string& title, auto member) {
-    add(
-        title, [&](std::size_t i) { return double(member(main.errors[i])); }, !main.errors.empty());
+    add(title, [&](std::size_t i) {
+      return i < judged && i < main.errors.size() ? double(member(main.errors[i])) : kUnknown;
+    });
   };
   add_list("time_s", a.recording.time_s);
   add_error("eligible", [](const FrameError& e) { return e.eligible; });
