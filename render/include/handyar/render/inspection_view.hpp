@@ -45,8 +45,6 @@ class InspectionView {
   /// Draws the objects as they are since the last update into that frame.
   void draw(cv::Mat& frame_bgr, const Camera& camera, const HandInView& hand);
 
-  const Inspection& inspection() const noexcept { return inspection_; }
-
   /// The object that the last event was about.
   const SceneObject& object() const {
     return scene_.objects[static_cast<std::size_t>(last_object_)];
