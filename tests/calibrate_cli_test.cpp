@@ -16,6 +16,7 @@
 #include "handyar/calibration/board.hpp"
 #include "handyar/io/camera_file.hpp"
 #include "handyar/io/hand_file.hpp"
+#include "temporary_folder.hpp"
 
 namespace fs = std::filesystem;
 
@@ -35,15 +36,7 @@ struct Outcome {
 
 class CalibrateCli : public ::testing::Test {
  protected:
-  void SetUp() override {
-    root_ = fs::path(::testing::TempDir()) /
-            (std::string("handyar_calibrate_") +
-             ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(root_);
-    fs::create_directories(root_);
-  }
-  void TearDown() override { fs::remove_all(root_); }
-  std::string file(const std::string& name) const { return (root_ / name).string(); }
+  std::string file(const std::string& name) const { return folder_ / name; }
 
   Outcome run(const std::string& arguments) const {
     const auto contents = [](const std::string& path) {
@@ -57,7 +50,7 @@ class CalibrateCli : public ::testing::Test {
     return {WEXITSTATUS(status), contents(file("stdout")), contents(file("stderr"))};
   }
 
-  fs::path root_;
+  const test::TemporaryFolder folder_;
 };
 
 TEST_F(CalibrateCli, CameraAndHandFromOneRecording) {

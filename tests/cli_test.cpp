@@ -19,6 +19,7 @@
 #include "handyar/io/frame_source.hpp"
 #include "handyar/io/pose_csv.hpp"
 #include "handyar/io/video_writer.hpp"
+#include "temporary_folder.hpp"
 
 namespace fs = std::filesystem;
 
@@ -46,15 +47,10 @@ int lines(const std::string& text) {
 
 class CliTest : public testing::Test {
  protected:
-  void SetUp() override {
-    root_ = fs::path(testing::TempDir()) /
-            (std::string("handyar_cli_") +
-             testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(root_);
+  CliTest() {
     fs::create_directories(root_ / "out");
     fs::create_directories(root_ / "in");
   }
-  void TearDown() override { fs::remove_all(root_); }
 
   std::string in(const std::string& name) const { return (root_ / "in" / name).string(); }
   std::string out(const std::string& name) const { return (root_ / "out" / name).string(); }
@@ -101,7 +97,8 @@ class CliTest : public testing::Test {
     EXPECT_EQ(left(), std::set<std::string>{}) << arguments;
   }
 
-  fs::path root_;
+  const test::TemporaryFolder temporary_;
+  const fs::path& root_ = temporary_.path();
 };
 
 TEST_F(CliTest, BadInputsAreRefusedInOneLine) {

@@ -13,6 +13,8 @@
 #include <sstream>
 #include <thread>
 
+#include "temporary_folder.hpp"
+
 namespace fs = std::filesystem;
 
 namespace handyar {
@@ -25,15 +27,6 @@ const std::string kTips = "10,50,30,20,40,10,50,20,60,40";
 
 class EvaluateCli : public testing::Test {
  protected:
-  void SetUp() override {
-    root_ = fs::path(testing::TempDir()) /
-            (std::string("handyar_evaluate_") +
-             testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(root_);
-    fs::create_directories(root_);
-  }
-  void TearDown() override { fs::remove_all(root_); }
-
   std::string file(const std::string& name) const { return (root_ / name).string(); }
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(file(name), std::ios::binary) << text;
@@ -62,7 +55,8 @@ class EvaluateCli : public testing::Test {
     EXPECT_FALSE(fs::exists(file("report")));
   }
 
-  fs::path root_;
+  const test::TemporaryFolder temporary_;
+  const fs::path& root_ = temporary_.path();
 };
 
 TEST_F(EvaluateCli, AFaultyInputLeavesNoReport) {

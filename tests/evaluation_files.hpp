@@ -12,6 +12,7 @@
 
 #include "handyar/evaluation/tables.hpp"
 #include "handyar/io/sample.hpp"
+#include "temporary_folder.hpp"
 
 namespace handyar::evaluation {
 
@@ -21,21 +22,7 @@ inline std::string shipped(const std::string& name) {
   return fs::path(io::data_file(name + "/truth.json")).parent_path().string();
 }
 
-/// A new folder of this test's own, gone at its end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = fs::path(testing::TempDir()) / (std::string("evaluation_") + test->name());
-    fs::remove_all(path_);
-    fs::create_directories(path_);
-  }
-  ~TemporaryFolder() { fs::remove_all(path_); }
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
-};
+using test::TemporaryFolder;
 
 inline std::vector<std::string> lines_of(const std::string& file) {
   std::ifstream in(file);

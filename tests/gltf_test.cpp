@@ -6,21 +6,13 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "handyar/render/model.hpp"
+#include "temporary_folder.hpp"
 
 namespace handyar::render {
 namespace {
 
-namespace fs = std::filesystem;
-
 class GltfFile : public testing::Test {
  protected:
-  GltfFile()
-      : folder_(fs::path(testing::TempDir()) /
-                testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::create_directories(folder_);
-  }
-  ~GltfFile() override { fs::remove_all(folder_); }
-
   void write_picture(const std::string& name, const cv::Scalar& bgra) const {
     cv::imwrite((folder_ / name).string(), cv::Mat(4, 4, CV_8UC4, bgra));
   }
@@ -68,7 +60,8 @@ class GltfFile : public testing::Test {
     return load_model(folder_ / "m.gltf");
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
 };
 
 const std::string kTextured = R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}})";

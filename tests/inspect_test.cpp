@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "temporary_folder.hpp"
+
 namespace fs = std::filesystem;
 
 namespace handyar {
@@ -29,17 +31,9 @@ std::string contents(const fs::path& path) {
 }
 
 struct InspectTest : testing::Test {
-  const fs::path folder = fs::path(testing::TempDir()) /
-                          (std::string("handyar_inspect_") +
-                           testing::UnitTest::GetInstance()->current_test_info()->name());
+  const test::TemporaryFolder folder;
 
-  InspectTest() {
-    fs::remove_all(folder);
-    fs::create_directories(folder);
-  }
-  ~InspectTest() override { fs::remove_all(folder); }
-
-  std::string path(const std::string& name) const { return (folder / name).string(); }
+  std::string path(const std::string& name) const { return folder / name; }
 
   int run(const std::string& arguments) const {
     const int status = std::system(("'" HANDYAR_PROGRAM "' inspect " + arguments + " >" +

@@ -11,21 +11,13 @@
 #include <tuple>
 
 #include "handyar/io/error.hpp"
+#include "temporary_folder.hpp"
 
 namespace handyar::render {
 namespace {
 
-namespace fs = std::filesystem;
-
 class ModelFile : public testing::Test {
  protected:
-  ModelFile()
-      : folder_(fs::path(testing::TempDir()) /
-                testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::create_directories(folder_);
-  }
-  ~ModelFile() override { fs::remove_all(folder_); }
-
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
     return (folder_ / name).string();
@@ -94,7 +86,8 @@ class ModelFile : public testing::Test {
     return "";
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
 };
 
 /// Share of the surface whose stored normal agrees with its triangles' winding.

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "handyar/io/error.hpp"
+#include "temporary_folder.hpp"
 
 namespace handyar::render {
 namespace {
@@ -106,15 +107,11 @@ TEST(Scene, OfAMapIsWrittenAndReadAgain) {
   bunny.model = "bunny";
   scene.objects = {cup, bunny};
 
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "scene_of_a_map_test";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
+  const test::TemporaryFolder folder;
   scene.map = folder / "maps/room.map";
   scene.objects[0].model = folder / "cup.obj";
   write_scene(folder / "desk.json", scene);
   const Scene read = read_scene(folder / "desk.json");
-  std::filesystem::remove_all(folder);
 
   EXPECT_EQ(read.map, scene.map);
   EXPECT_TRUE(read.markers.empty());
@@ -131,14 +128,14 @@ TEST(Scene, OfAMapIsWrittenAndReadAgain) {
 }
 
 TEST(Scene, OfAMapMayStillBeEmpty) {
-  const std::string path = testing::TempDir() + "empty_scene_of_a_map.json";
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "scene.json";
   Scene scene;
-  scene.map = testing::TempDir() + "desk.map";
+  scene.map = folder / "desk.map";
   write_scene(path, scene);
   EXPECT_TRUE(read_scene(path).objects.empty());
-  scene.objects.emplace_back().model = testing::TempDir() + "caf\xe9.obj";
+  scene.objects.emplace_back().model = folder / "caf\xe9.obj";
   EXPECT_THROW(write_scene(path, scene), io::Error);
-  std::filesystem::remove(path);
 }
 
 TEST(Scene, SaysInOneLineWhatIsWrong) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -16,6 +15,7 @@
 #include "handyar/opencv/types.hpp"
 #include "handyar/world/placement.hpp"
 #include "handyar/world/world_tracker.hpp"
+#include "temporary_folder.hpp"
 
 // A tabletop that the test draws itself: a printed table, a box that stands on it, a flat grey hand
 // that lies on it at first. So the truth of every frame is known.
@@ -368,7 +368,8 @@ WorldMap made_map(Tabletop& table) {
 
 TEST(World, IsRecognisedInAnotherRunAndByAnotherCameraAndNothingElseIs) {
   Tabletop table, other("another table");
-  const std::string file = testing::TempDir() + "world_test.map";
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "desk.map";
   write_map(file, made_map(table));
   const WorldMap map = read_map(file);
   table.camera = Camera::from_field_of_view(640, 480, 1.2);
@@ -388,7 +389,6 @@ TEST(World, IsRecognisedInAnotherRunAndByAnotherCameraAndNothingElseIs) {
     EXPECT_EQ(wrong.state, WorldState::lost);
   }
   EXPECT_GE(recognised, 15);
-  std::filesystem::remove(file);
 }
 
 TEST(World, IsRecognisedByACameraThatHasExposedAnew) {
@@ -432,11 +432,11 @@ std::string fault_of(const std::string& bytes) {
 
 TEST(MapFile, SaysWhatIsWrongWithIt) {
   Tabletop table;
-  const std::string file = testing::TempDir() + "map_file_test.map";
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "desk.map";
   write_map(file, made_map(table));
   std::ifstream stream(file, std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(stream), {}};
-  std::filesystem::remove(file);
   EXPECT_EQ(fault_of(whole), "");
   EXPECT_EQ(fault_of(""), "desk.map: is not a map of handyar");
   EXPECT_EQ(fault_of("{}\n"), "desk.map: is not a map of handyar");
