@@ -38,6 +38,12 @@ TEST_F(CliTest, AHandOfTheAverageSizeIsSaidToBe) {
   EXPECT_NE(err.find(average + ": the average adult's size is assumed"), std::string::npos) << err;
 }
 
+TEST_F(CliTest, ACameraFileOfAnAssumedOneIsSaidToBe) {
+  const std::string camera = changed("camera.yml", "image_width", "assumed: 1\nimage_width");
+  const std::string err = run("track " + kVideo + " --camera " + camera).err;
+  EXPECT_NE(err.find(camera + ": its field of view is assumed"), std::string::npos) << err;
+}
+
 TEST_F(CliTest, OfTwoHandsTheSecondIsLookedForBesideTheFirst) {
   const Outcome r =
       run("track " + kVideo + " --hands 2" + outputs() + " --events " + out("e.jsonl"));
