@@ -35,16 +35,6 @@ struct Constellation {
 
 #include "find/constellation_statistics.inc"
 
-// Of each fingertip's map so many peaks are thought of, from these log odds on. tools/finder
-// (calibrate.py) has the same.
-constexpr int kMostPeaks = 5;
-constexpr float kLeastTip = -4.0f, kNoPalm = -8.0f;
-// Constellations follow Student's distribution with so many degrees of freedom: thumbs go far.
-constexpr float kFreedom = 6.0f;
-// Hands of fewer cells from thumb to little finger are none.
-constexpr float kLeastSpan = 3.0f;
-// Two palms nearer than this share of a span are one hand.
-constexpr float kSameHand = 0.35f;
 // A hand whose log odds are less is not worth the time of laying a figure on it.
 constexpr float kLeastOdds = -1.0f;
 // What a fingertip that is not seen adds to the sum of all.

@@ -16,10 +16,22 @@ from network import CELLS_X, CELLS_Y, STRIDE, Finder
 from samples import PALM_BY_TIPS, Samples, palm_of, thumb_right
 from train import as_input
 
-MOST_PEAKS, LEAST_TIP = 5, -4.0
-FREEDOM = 6.0  # of Student's distribution of constellations
-LEAST_SPAN = 3.0  # cells
-MOST_CANDIDATES, SAME_HAND = 4, 0.35
+MOST_PEAKS, LEAST_TIP, NO_PALM = 5, -4.0, -8.0
+FREEDOM, LEAST_SPAN, SAME_HAND = 6.0, 3.0, 0.35
+MOST_CANDIDATES = 4
+# The source reads hands in the same way.
+RULES = f"""\
+// Of each fingertip's map so many peaks are thought of, from these log odds on; beyond the maps'
+// edge there is no palm.
+constexpr int kMostPeaks = {MOST_PEAKS};
+constexpr float kLeastTip = {LEAST_TIP}f, kNoPalm = {NO_PALM}f;
+// Constellations follow Student's distribution with so many degrees of freedom: thumbs go far.
+constexpr float kFreedom = {FREEDOM}f;
+// Hands of fewer cells from thumb to little finger are none.
+constexpr float kLeastSpan = {LEAST_SPAN}f;
+// Two palms nearer than this share of a span are one hand.
+constexpr float kSameHand = {SAME_HAND}f;
+"""
 # Real rooms hold so many times more that is like a hand than these pictures do, and of hands that
 # count or grasp, which lack a finger, so many times more again.
 OTHER_ROOMS, OTHER_HANDS = 2.5, 4.0
@@ -49,7 +61,7 @@ def readings(maps, models):
     out = []
     for layout in range(2):
         mirror = (lambda z: z) if layout == 0 else (lambda z: -z.conj())
-        around = np.max([np.pad(maps[layout], 1, constant_values=-8)[1 + dy:1 + dy + CELLS_Y, 1 + dx:1 + dx + CELLS_X]
+        around = np.max([np.pad(maps[layout], 1, constant_values=NO_PALM)[1 + dy:1 + dy + CELLS_Y, 1 + dx:1 + dx + CELLS_X]
                          for dy in (-1, 0, 1) for dx in (-1, 0, 1)], 0)
         for missing, model in enumerate(models):
             choices = [range(len(found[f][0])) if f != missing else [-1] for f in range(FINGERS)]
@@ -67,7 +79,7 @@ def readings(maps, models):
             ok = np.isfinite(tips).all((1, 2)) & np.isfinite(d2)
             at = np.rint(np.where(np.isfinite(palm), palm, -99)).astype(int)
             inside = ok & (at >= 0).all(1) & (at < [CELLS_X, CELLS_Y]).all(1)
-            score = np.full(len(z), -8.0)
+            score = np.full(len(z), NO_PALM)
             score[inside] = around[at[inside, 1], at[inside, 0]]
             ok &= np.linalg.norm(tips[:, 0] - tips[:, 4], axis=1) > LEAST_SPAN
             out.append((score[ok], logit[ok], d2[ok], gone[ok], np.full(ok.sum(), layout), tips[ok], palm[ok]))
@@ -141,6 +153,7 @@ def main():
               'log loss %.4f' % -np.mean(np.where(y > 0, np.log(p), np.log(1 - p))), flush=True)
     with open(a.out, 'w') as f:
         f.write('// SPDX-License-Identifier: MIT\n// Made by tools/finder/calibrate.py; do not edit.\n\n'
+                '%s\n'
                 '// Fingertips without each of them, and all.\n'
                 'constexpr std::array<Constellation, kFingerCount + 1> kConstellations{{\n%s}};\n'
                 '// The palm by the fingertips.\n'
@@ -148,7 +161,7 @@ def main():
                 '// Log odds of a hand: constant, by the palm\'s log odds, by the sum of the fingertips\',\n'
                 '// by the logarithm of their constellation\'s likelihood, by one being missing.\n'
                 'constexpr std::array<float, 5> kOdds{%s};\n'
-                % (''.join(map(as_source, models)), *(', '.join('%.4g' % v for v in t) for t in (PALM_BY_TIPS, w))))
+                % (RULES, ''.join(map(as_source, models)), *(', '.join('%.4g' % v for v in t) for t in (PALM_BY_TIPS, w))))
 
 
 if __name__ == '__main__':
