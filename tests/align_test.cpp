@@ -24,7 +24,7 @@ struct Scene {
     picture.texture(24, "Scene");
     picture.paint(hand, camera, hand.state.T_camera_hand);
     picture.add_noise(4, 1);
-    aligner.learn(picture.view(), camera, appearance, hand.state, 0, 0.002);
+    aligner.learn(picture.view(), camera, appearance, hand.state, 0, 1);
   }
 
   HandPrior prior(const HandState& around) const {
@@ -90,7 +90,7 @@ TEST(Aligner, HandsAndRoomsOfAnyColourAreToldApart) {
     scene.picture.paint(scene.hand, scene.camera, scene.hand.state.T_camera_hand, hand);
     scene.aligner.forget();
     scene.aligner.learn(scene.picture.view(), scene.camera, scene.hand.appearance, scene.hand.state,
-                        0, 0.002);
+                        0, 1);
     const Alignment a = scene.align(scene.hand.state);
     ASSERT_TRUE(a.valid);
     EXPECT_GT(a.log_ratio, 20);
@@ -115,7 +115,7 @@ TEST(Aligner, AFingerThatIsNotThereHasNotTheColoursOfTheRest) {
     // As one that takes what lies there for an open hand has learned them.
     scene.aligner.forget();
     scene.aligner.learn(scene.picture.view(), scene.camera, scene.hand.appearance, scene.hand.state,
-                        0, 0.002);
+                        0, 1);
     const PartShares shares = scene.aligner.shares_of_hand(scene.picture.view(), scene.camera,
                                                            scene.hand.appearance, scene.hand.state);
     for (int part = 0; part <= kFingerCount; ++part) {

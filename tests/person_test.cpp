@@ -61,7 +61,7 @@ double liveliness_of(double angle_rad, double before, int frames_per_s) {
     posture.abduction_rad[f] = posture.flexion_rad[f] = f % 2 == 0 ? angle_rad : -angle_rad;
   double liveliness = before;
   for (int i = 0; i < frames_per_s; ++i)
-    liveliness = liveliness_after(1.0 / frames_per_s, posture, liveliness, {});
+    liveliness = liveliness_after(1.0 / frames_per_s, posture, liveliness, BeliefConfig{}.same_s);
   return liveliness;
 }
 

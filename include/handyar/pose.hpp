@@ -11,6 +11,9 @@ namespace handyar {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
+/// A hand goes on as it went, or speeds up, for about so long; no frame counts for more time.
+inline constexpr double kLongest_s = 0.1;
+
 /// Pose of the hand in the camera, from one frame (paper 2.5).
 struct PoseEstimate {
   Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();

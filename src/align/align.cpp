@@ -32,13 +32,10 @@ std::size_t first_iteration(int coarsest) {
 }
 // Neighbouring lines see the same light, the same wrong figure: so much of one's say is its own.
 constexpr double kLineWeight = 0.15;
-constexpr double kLeastLines = 12;
 // Lines nearer than this see the same pixels.
 constexpr float kLeastSpacing_px = 3;
 // Colours are learned this far from the outline at most, inside and outside.
 constexpr double kLearnInside_m = 0.0075, kLearnOutside_m = 0.0135;
-// Colours of which less is kept tell nothing.
-constexpr float kForgets = 0.01f;
 
 /// Adds weight * J^T J.
 HANDYAR_VECTORISED void add_square(const double* J, double weight, double* H) noexcept {
@@ -180,7 +177,7 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
                                 found.mean_px,   found.sigma_px,
                                 found.log_ratio, static_cast<std::uint8_t>(finger)};
   }
-  if (outline_count < kLeastLines) return false;
+  if (outline_count == 0) return false;
   const HandVector off = a.state.difference(prior.mean), pull = prior.information * off;
   if (iteration + kTextureSteps >= kSegments.size())
     texture.pull(frame, camera, appearance, a.state, H, g);
@@ -239,16 +236,16 @@ PartShares Aligner::shares_of_hand(const ImageView& frame, const Camera& camera,
 }
 
 void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance appearance,
-                    const HandState& state, float keep, double margin_m) noexcept {
+                    const HandState& state, float keep, int coarsest) noexcept {
   const HandView view(camera, state.T_camera_hand.translation());
   const Silhouette silhouette(appearance, state, view);
   if (!silhouette.valid()) return;
   const PixelReader reader(frame);
   const int count = silhouette.choose(impl_->spacing_px(silhouette), impl_->anchors);
-  const bool colors_count = keep > kForgets;
+  const bool colors_count = keep > 0;
   impl_->colors.fade(keep);
-  const float margin = std::max(1.0f, static_cast<float>(silhouette.to_px(margin_m)));
-  const float step = std::max(1.0f, static_cast<float>(silhouette.to_px(kStep_m)));
+  const auto step_px = static_cast<float>(silhouette.to_px(kStep_m));
+  const float margin = std::max(1.0f, 2 * coarsest * step_px), step = std::max(1.0f, step_px);
   for (int i = 0; i < count; ++i) {
     const OutlineAnchor& anchor = impl_->anchors[i];
     OutlinePlace place = silhouette.place(anchor);

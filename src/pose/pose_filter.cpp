@@ -15,8 +15,6 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Vector12d = MotionState::Vector12d;
 using Matrix12d = MotionState::Matrix12d;
 
-// An acceleration lasts about this long, so its square times this is a spectral density.
-constexpr double kAccelerationLasts_s = 0.1;
 // Accelerations of the levels, as shares of the greatest. The first is the hand at rest: there its
 // velocity is zero and its place drifts a little. The second is a hand that is meant to be at rest.
 constexpr std::array<double, 4> kLevelShare{0.0, 0.003, 0.05, 1.0};
@@ -119,7 +117,7 @@ void PoseFilter::reset() noexcept {
 
 /// What a hand that speeds up as hard as is expected reaches.
 Vector6d PoseFilter::usual_speed() const noexcept {
-  return kAccelerationLasts_s * diagonal(config_.acceleration_rad_s2, config_.acceleration_m_s2);
+  return kLongest_s * diagonal(config_.acceleration_rad_s2, config_.acceleration_m_s2);
 }
 
 void PoseFilter::start(double time_s, const PoseEstimate& m) noexcept {
@@ -177,9 +175,9 @@ bool PoseFilter::update(double time_s, const PoseEstimate& m) noexcept {
   time_s_ = time_s;
   mix(dt_s);
   const Matrix6d R = noise_of(m);
-  const double m2 = config_.acceleration_m_s2 * config_.acceleration_m_s2 * kAccelerationLasts_s;
-  const double rad2 =
-      config_.acceleration_rad_s2 * config_.acceleration_rad_s2 * kAccelerationLasts_s;
+  // The square of an acceleration times how long it lasts is a spectral density.
+  const double m2 = config_.acceleration_m_s2 * config_.acceleration_m_s2 * kLongest_s;
+  const double rad2 = config_.acceleration_rad_s2 * config_.acceleration_rad_s2 * kLongest_s;
 
   std::array<Eigen::LLT<Matrix6d>, kLevels> S;
   std::array<Vector6d, kLevels> y;
@@ -264,7 +262,7 @@ std::optional<FilteredPose> PoseFilter::predict(double time_s) const noexcept {
     double share2 = 0;
     for (int j = 0; j < kLevels; ++j)
       share2 += levels_[j].probability * kLevelShare[j] * kLevelShare[j];
-    share2 *= kAccelerationLasts_s;
+    share2 *= kLongest_s;
     state.advance(time_s - time_s_, share2 * config_.acceleration_m_s2 * config_.acceleration_m_s2,
                   share2 * config_.acceleration_rad_s2 * config_.acceleration_rad_s2);
   }

@@ -13,7 +13,7 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   HandPrior prior;
   prior.mean = expected;
   constexpr double kShortest_s = 1e-3;  // no information is infinite
-  const double keeps = std::exp(-std::max(dt_s, kShortest_s) / motion.posture_s),
+  const double keeps = std::exp(-std::max(dt_s, kShortest_s) / config.belief.same_s),
                moves = liveliness * std::sqrt(1 - keeps * keeps);
   for (double& angle_rad : prior.mean.posture.abduction_rad) angle_rad *= keeps;
   for (double& angle_rad : prior.mean.posture.flexion_rad) angle_rad *= keeps;
@@ -33,8 +33,7 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   return prior;
 }
 
-double liveliness_after(double dt_s, const Posture& found, double before,
-                        const MotionConfig& motion) noexcept {
+double liveliness_after(double dt_s, const Posture& found, double before, double same_s) noexcept {
   // Angles that are drawn to rest by a prior of variance v and measured with the variance n have a
   // variance of at most v / 4 where there is no motion, whatever n is: with four times what is
   // found v shrinks for a hand at rest, and for one that moves by more than n it does not.
@@ -47,7 +46,7 @@ double liveliness_after(double dt_s, const Posture& found, double before,
                       (2 * kFingerCount * sigma_rad * sigma_rad);
   }
   // It rises at once, since fingers that close would pull the palm with them.
-  const double now = kUnshrunk * found_variance, keeps = std::exp(-dt_s / motion.posture_s);
+  const double now = kUnshrunk * found_variance, keeps = std::exp(-dt_s / same_s);
   const double variance = std::max(now, keeps * before * before + (1 - keeps) * now);
   return std::clamp(std::sqrt(variance), kLeast, 1.0);
 }

@@ -18,8 +18,8 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
                        const TrackerConfig& config, double liveliness = 1) noexcept;
 
 /// The liveliness, up to 1, after a frame in which the fingers were found so: fingers that are
-/// still are held still, and a palm that tilts is not taken for fingers that bend.
-double liveliness_after(double dt_s, const Posture& found, double before,
-                        const MotionConfig& motion) noexcept;
+/// still are held still, and a palm that tilts is not taken for fingers that bend. `same_s` as in
+/// BeliefConfig.
+double liveliness_after(double dt_s, const Posture& found, double before, double same_s) noexcept;
 
 }  // namespace handyar

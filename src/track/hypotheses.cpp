@@ -13,13 +13,8 @@ namespace handyar {
 namespace {
 
 // A new hand's colours are taken ever nearer to its outline while the figure settles on it, roughly
-// from each start, then finely from where these ended: so much is left out on both sides.
-struct Settling {
-  double margin_m;
-  Steps steps;
-};
-constexpr std::array<Settling, 2> kRoughly{{{0.006, {4, 3}}, {0.004, {3, 2}}}},
-    kFinely{{{0.003, {2, 1}}, {0.002, {2, 1}}}};
+// from each start, then finely from where these ended.
+constexpr std::array<Steps, 2> kRoughly{{{4, 3}, {3, 2}}}, kFinely{{{2, 1}, {1, 1}}};
 // Whether a hand is small or its fingers are close together is told badly, and a figure that has
 // settled in a wrong size stays in it: it begins with its fingers apart and almost side by side.
 constexpr std::array<double, 2> kClosed{0, 0.7};
@@ -121,10 +116,10 @@ struct Beginning {
   }
 
   /// Takes the colours that the hypothesis expects, and lays it on what they tell, ever nearer.
-  void settle(Hypothesis& h, const HandPrior& prior, std::span<const Settling> how) noexcept {
-    for (const Settling& s : how) {
-      aligner.learn(frame, camera, h.appearance, h.alignment.state, 0, s.margin_m);
-      align(h, prior, s.steps);
+  void settle(Hypothesis& h, const HandPrior& prior, std::span<const Steps> how) noexcept {
+    for (const Steps& steps : how) {
+      aligner.learn(frame, camera, h.appearance, h.alignment.state, 0, steps.coarsest);
+      align(h, prior, steps);
       if (!h.alignment.valid) return;
     }
   }
@@ -260,7 +255,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     if (!h.alignment.valid) continue;
     HandState& now = h.alignment.state;
     now.velocity = before.difference(now).head<6>() / dt_s;
-    h.liveliness = liveliness_after(dt_s, now.posture, h.liveliness, config.motion);
+    h.liveliness = liveliness_after(dt_s, now.posture, h.liveliness, config.belief.same_s);
     if (turn_over(h.appearance, now.T_camera_hand)) h.fingers.reset();
     h.log_weight += share * h.alignment.log_posterior;
   }

@@ -4,13 +4,6 @@
 #include "track/tracker_state.hpp"
 
 namespace handyar {
-namespace {
-
-// The finder reads a hand that is followed otherwise when only the palms are as near as this share
-// of the hand's reach.
-constexpr float kSamePalm = 0.8f;
-
-}  // namespace
 
 HandPlace HandTracker::Impl::place_of(const Hypothesis& its) const noexcept {
   const HandState& state = its.alignment.state;

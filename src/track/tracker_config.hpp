@@ -13,8 +13,9 @@ namespace handyar {
 /// hand, by the time it stands for.
 struct BeliefConfig {
   double believe = 2.0;  ///< log odds from which on a hand is tracked; lost below minus that
-  /// Frames err alike for so long: what they say counts by their time, the finder is asked this
-  /// often about a hand that is followed surely, and one that is read otherwise is doubtful.
+  /// Frames are alike for about so long, and err alike: what they say counts by their time, fingers
+  /// keep their turn and bend, and colours fade. The finder is asked this often about a hand that
+  /// is followed surely, and one that is read otherwise is doubtful for so long.
   double same_s = 0.2;
   /// A figure is laid as well as it can be on anything: it speaks for a hand only from this log
   /// ratio on, and less than it claims. In dim rooms right ones have hardly more; from 5 on, a hand
@@ -43,13 +44,11 @@ struct BeliefConfig {
 struct MotionConfig {
   double rotation_sigma_rad = 0.35;   ///< of a frame's pose around what the frames before foretell
   double translation_sigma_m = 0.06;  ///< the same
-  double posture_s = 0.15;            ///< about as long a finger keeps its turn and its bend
   double boundary_sigma_px = 0.3;     ///< change of the outline's offset in a frame
 };
 
 /// How fast what is seen is learned.
 struct LearningConfig {
-  double colors_s = 0.15;  ///< colours on both sides of the outline fade this fast
   /// Of the time that a hand has been seen counts as one independent view of its figure, same_s at
   /// least. Views come back, and the figure's errors with them.
   double view_share = 0.2;

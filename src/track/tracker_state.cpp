@@ -172,10 +172,9 @@ void HandTracker::Impl::filter(TrackResult& result) noexcept {
 void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
   const Hypothesis& best = seen.hypotheses.best();
   if (!holds_hand()) return;
-  constexpr double kMargin_m = 0.0011;  // blur: the boundary's own colours are neither side's
-  const double keep = std::exp(-dt_s / config.learning.colors_s);
+  const double keep = std::exp(-dt_s / config.belief.same_s);
   aligner.learn(frame, camera, best.appearance, best.alignment.state, static_cast<float>(keep),
-                kMargin_m);
+                kNearSteps.finest);
   if (seen.state == State::tracking) {
     const double stands_for_s = std::min(dt_s, kLongest_s);
     seen.learned_s += stands_for_s;

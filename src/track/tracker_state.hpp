@@ -17,6 +17,10 @@
 
 namespace handyar {
 
+/// Palms that are nearer to each other than this share of a hand's reach are taken for one: open
+/// hands would overlap. What is seen there is that hand, read alike or otherwise, and no other.
+inline constexpr float kSamePalm = 0.8f;
+
 /// All that the tracker knows from frame to frame; resetting it forgets everything.
 struct TrackerState {
   double time_s = -std::numeric_limits<double>::infinity();

@@ -4,14 +4,6 @@
 #include "track/tracker_state.hpp"
 
 namespace handyar {
-namespace {
-
-// Two hands whose palms are nearer to each other than this share of their reach cannot both be
-// found.
-constexpr float kApart = 0.5f;
-
-}  // namespace
-
 void HandTracker::Impl::share_view(Impl* with) noexcept {
   if (other != nullptr && other != with) other->other = nullptr;
   other = with;
@@ -30,7 +22,7 @@ bool HandTracker::Impl::is_of_other(const HandCandidate& candidate) const noexce
   Hypothesis open = *other->in_view();  // as large as when its fingers are not folded
   open.alignment.state.posture = {};
   const float from_other = distance(place_of(open));
-  return from_other < kApart && !(holds_hand() && distance(followed()) < from_other);
+  return from_other < kSamePalm && !(holds_hand() && distance(followed()) < from_other);
 }
 
 bool HandTracker::Impl::has_followed() const noexcept {

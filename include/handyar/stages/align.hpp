@@ -24,10 +24,6 @@ inline constexpr int kAbductionAt = 6, kFlexionAt = 11, kBoundaryAt = 16, kFigur
 using HandVector = Eigen::Matrix<double, kHandFreedoms, 1>;
 using HandMatrix = Eigen::Matrix<double, kHandFreedoms, kHandFreedoms>;
 
-/// What a frame says of a hand counts for no longer than this, nor does a hand go on for longer as
-/// it went.
-inline constexpr double kLongest_s = 0.1;
-
 struct HandState {
   Eigen::Isometry3d T_camera_hand = Eigen::Isometry3d::Identity();
   Posture posture;
@@ -134,11 +130,13 @@ class Aligner {
   Alignment align(const ImageView& frame, const Camera& camera, Appearance appearance,
                   const HandState& start, const HandPrior& prior, Steps steps) noexcept;
 
-  /// Takes colours from both sides of the outline of a state; older ones fade to `keep`. `margin_m`
-  /// on both sides of the outline is left out. Where the colours so far tell of a boundary
-  /// elsewhere, none are taken: the figure lies wrong there, and would be confirmed in it.
+  /// Takes colours from both sides of the outline of a state; older ones fade to `keep`. Two
+  /// segments of lines as coarse as `coarsest` are left out on both sides: the picture blurs the
+  /// outline, and a figure that such lines are still to move lies off by as much. Where the colours
+  /// so far tell of a boundary elsewhere, none are taken: the figure lies wrong there, and would be
+  /// confirmed in it.
   void learn(const ImageView& frame, const Camera& camera, Appearance appearance,
-             const HandState& state, float keep, double margin_m) noexcept;
+             const HandState& state, float keep, int coarsest) noexcept;
 
   /// Takes what the skin of the palm looks like, for frames to come: `blend` is this frame's share
   /// of it, and it counts for so many independent `views` of where the palm lies.
