@@ -52,7 +52,7 @@ struct HandFinder::Impl {
   FaceNetwork faces;
   layers::Workspace workspace;
   HandCandidates candidates;
-  std::size_t turn = 0;  ///< of the parts, which one is next
+  int turn = 0;  ///< of the parts, which one is next
 
   void sample(const ImageView& frame, const FinderRegion& region) noexcept;
   void look(const ImageView& frame, const FinderRegion& region) noexcept;
@@ -146,25 +146,23 @@ std::span<const HandCandidate> HandFinder::search(const ImageView& frame) noexce
                              static_cast<float>(frame.height_px));
   const Eigen::Vector2f middle = 0.5f * size - Eigen::Vector2f::Constant(0.5f);
   const float whole = std::max(size.x(), size.y() * 4 / 3);
-  const auto likely = [&] {
-    const auto found = finder.candidates.items();
-    return !found.empty() && found[0].log_odds >= 0;
-  };
-  finder.look(frame, {middle, whole});
-  if (!likely()) {
-    // For small hands a part of half its size in turn, the middle and around it, again and again
-    // where one is likely.
-    constexpr std::array<std::array<float, 2>, 5> kParts{
-        {{0, 0}, {-0.25f, -0.25f}, {0.25f, -0.25f}, {-0.25f, 0.25f}, {0.25f, 0.25f}}};
-    const auto& part = kParts[finder.turn];
+  // The whole and, for small hands, a part of half its size in turn: the middle and around it.
+  constexpr std::array<std::array<float, 2>, 5> kParts{
+      {{0, 0}, {-0.25f, -0.25f}, {0.25f, -0.25f}, {-0.25f, 0.25f}, {0.25f, 0.25f}}};
+  if (finder.turn % 2 == 0) {
+    finder.look(frame, {middle, whole});
+  } else {
+    const auto& part = kParts[static_cast<std::size_t>(finder.turn / 2) % kParts.size()];
     const Eigen::Vector2f off = Eigen::Vector2f(part[0], part[1]).cwiseProduct(size);
     finder.look(frame, {middle + off, 0.5f * whole});
-    if (!likely()) finder.turn = (finder.turn + 1) % kParts.size();
   }
   if (const auto found = finder.candidates.items(); !found.empty())
     finder.look(frame, found[0].region(kSecondLook * found[0].span_px()));
   finder.tell_faces(frame);
-  return finder.candidates.items();
+  const auto found = finder.candidates.items();
+  // Where a hand is likely the next frame is searched in the same way.
+  if (found.empty() || found[0].log_odds < 0) ++finder.turn;
+  return found;
 }
 
 }  // namespace handyar

@@ -57,9 +57,9 @@ class HandFinder {
   HandFinder(HandFinder&&) noexcept;
   HandFinder& operator=(HandFinder&&) noexcept;
 
-  /// Searches a frame: the whole; where that shows no hand, for smaller ones, one of its parts, the
-  /// next from frame to frame; and once more around the likeliest hand for its fingertips. The
-  /// likeliest candidate first. Valid until the next call.
+  /// Searches a frame: the whole or, for smaller hands, one of its parts, in turn from frame to
+  /// frame, and once more around the likeliest hand for its fingertips. The likeliest candidate
+  /// first. Valid until the next call.
   std::span<const HandCandidate> search(const ImageView& frame) noexcept;
 
   /// One look at a part of a frame.
