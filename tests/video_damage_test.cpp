@@ -11,17 +11,25 @@
 namespace handyar::io {
 namespace {
 
+// How many frames a source gives until its fault, and that.
+struct Read {
+  int count = 0;
+  std::string fault;
+};
+Read read_all(FrameSource& source) {
+  Read read;
+  read.fault = fault_of([&] {
+    for (Frame frame; source.read(frame);) ++read.count;
+  });
+  return read;
+}
+
 TEST_F(IoTest, VideoThatBreaksOffGivesItsFramesAndSaysHowMany) {
   for (const char* ending : {".avi", ".mkv"}) {
     const std::string name = path(std::string("v") + ending);
     write_video(name, 50);
     fs::resize_file(name, fs::file_size(name) / 2);
-    const auto source = open_input(name);
-    Frame frame;
-    int count = 0;
-    const std::string fault = fault_of([&] {
-      while (source->read(frame)) ++count;
-    });
+    const auto [count, fault] = read_all(*open_input(name));
     EXPECT_GT(count, 5) << ending;
     EXPECT_LT(count, 45) << ending;
     EXPECT_EQ(fault.rfind(name + ": breaks off: " + std::to_string(count) + " of 5", 0), 0u)
@@ -30,12 +38,7 @@ TEST_F(IoTest, VideoThatBreaksOffGivesItsFramesAndSaysHowMany) {
   const std::string sample = path("sample.mp4");
   fs::copy_file(data_file("sample/video.mp4"), sample);
   fs::resize_file(sample, fs::file_size(sample) / 3);
-  const auto source = open_input(sample);
-  Frame frame;
-  int count = 0;
-  const std::string fault = fault_of([&] {
-    while (source->read(frame)) ++count;
-  });
+  const auto [count, fault] = read_all(*open_input(sample));
   EXPECT_GT(count, 30);
   EXPECT_EQ(fault,
             sample + ": breaks off: " + std::to_string(count) + " of 200 frames could be read");
@@ -55,11 +58,7 @@ TEST_P(DamagedVideoTest, GivesItsSoundFramesAndSaysHowMany) {
   const std::string name = path(std::string("v") + GetParam());
   write_video(name, 60);
   damage(name);
-  const auto source = open_input(name);
-  int count = 0;
-  const std::string fault = fault_of([&] {
-    for (Frame frame; source->read(frame);) ++count;
-  });
+  const auto [count, fault] = read_all(*open_input(name));
   EXPECT_GE(count, 5);
   EXPECT_LT(count, 60);
   EXPECT_EQ(fault.rfind(name + ": is damaged: " + std::to_string(count) + " of 6", 0), 0u) << fault;

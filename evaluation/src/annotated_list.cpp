@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include "handyar/evaluation/tables.hpp"
 #include "handyar/io/error.hpp"
 
 namespace handyar::evaluation {
@@ -14,20 +15,6 @@ namespace {
 
 constexpr double kFarthest = 1e6;  ///< no annotation lies beyond
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      fields.emplace_back();
-    else if (c != '\r')
-      fields.back() += c;
-  }
-  return fields;
-}
 
 /// The number that all of the text is.
 template <typename Number>
@@ -47,10 +34,10 @@ AnnotatedList::AnnotatedList(const std::string& file) : file_(file) {
   std::getline(in, line);
   if (!in.is_open() || in.bad()) throw io::Error(file, "cannot be read");
   if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
-  const std::vector<std::string> header = split(line);
+  const std::vector<std::string> header = csv_fields(line);
   for (std::size_t number = 2; std::getline(in, line); ++number) {
     if (line.empty() || line == "\r") continue;
-    const std::vector<std::string> fields = split(line);
+    const std::vector<std::string> fields = csv_fields(line);
     if (fields.size() != header.size())
       throw io::Error(file, "line " + std::to_string(number) + " has " +
                                 std::to_string(fields.size()) + " fields, the header " +

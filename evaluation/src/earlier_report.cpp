@@ -8,6 +8,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "handyar/evaluation/tables.hpp"
 #include "handyar/io/error.hpp"
 
 namespace handyar::evaluation {
@@ -15,24 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The first field of a line of CSV, as csv_field() wrote it.
-std::string first_field(std::string_view line) {
-  if (!line.starts_with('"')) return std::string(line.substr(0, line.find(',')));
-  std::string field;
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    if (line[i] == '"' && (i + 1 == line.size() || line[++i] != '"')) break;
-    field += line[i];
-  }
-  return field;
-}
-
 /// What stands first in the rows of a list; nothing when it is another list.
 std::optional<std::set<std::string>> rows_of(const fs::path& list, std::string_view header) {
   std::ifstream file(list);
   std::string line;
   if (!std::getline(file, line) || !line.starts_with(header)) return std::nullopt;
   std::set<std::string> first;
-  while (std::getline(file, line)) first.insert(first_field(line));
+  while (std::getline(file, line)) first.insert(csv_fields(line).front());
   return first;
 }
 

@@ -4,6 +4,7 @@
 #include "track/tracker_state.hpp"
 
 namespace handyar {
+
 void HandTracker::Impl::share_view(Impl* with) noexcept {
   if (other != nullptr && other != with) other->other = nullptr;
   other = with;

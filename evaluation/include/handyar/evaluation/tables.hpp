@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "handyar/evaluation/analysis.hpp"
@@ -46,6 +47,8 @@ Table robustness_table(const std::vector<Analysis>& analyses);
 /// A number as both CSV files write it: six significant digits, empty when not finite.
 std::string csv_number(double value);
 std::string csv_field(const std::string& text);
+/// The fields of a line of CSV, those in quotes as csv_field() wrote them.
+std::vector<std::string> csv_fields(std::string_view line);
 
 /// Writes tables.csv: the header, then the figures of all tables in order, so that figure i is in
 /// line i + 2. Throws io::Error.
