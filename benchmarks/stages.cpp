@@ -32,7 +32,7 @@ Scene make_scene() {
   s.appearance = {*s.result.face, *s.result.layout};
   s.prior.mean = s.state;
   s.prior.information *= 100;
-  s.aligner.learn(view(s.picture), clip().camera, s.appearance, s.state, 0, 0.002);
+  s.aligner.learn(view(s.picture), clip().camera, s.appearance, s.state, 0, kNearSteps.coarsest);
   return s;
 }
 
@@ -64,7 +64,8 @@ void learn(benchmark::State& state) {
   Scene* s = scene(state);
   if (s == nullptr) return;
   for (auto _ : state) {
-    s->aligner.learn(view(s->picture), clip().camera, s->appearance, s->state, 0.8f, 0.0011);
+    s->aligner.learn(view(s->picture), clip().camera, s->appearance, s->state, 0.8f,
+                     kNearSteps.finest);
     benchmark::ClobberMemory();
   }
 }
