@@ -280,6 +280,20 @@ TEST(PoseFilter, IgnoresWhatIsNotATimeOrAPose) {
   EXPECT_TRUE(filter.predict(0.1)->T_camera_hand.matrix().allFinite());
 }
 
+TEST(PoseFilter, FollowsPosesWithoutAnyDoubt) {
+  const Path path = swinging(0.5);
+  PoseFilter filter;
+  for (int i = 0; i < 300; ++i) {
+    const double t = i / 30.0;
+    EXPECT_TRUE(filter.update(t, exact(path(t), 0, 0)));
+    const auto pose = filter.predict(t);
+    ASSERT_TRUE(pose);
+    const auto error = test::pose_error(path(t), pose->T_camera_hand);
+    EXPECT_LT(error.head<3>().norm(), 1e-4);
+    EXPECT_LT(error.tail<3>().norm(), 1e-4);
+  }
+}
+
 TEST(PoseFilter, PassesTheRawPoseThroughWhenDisabled) {
   auto rng = test::random_for("PoseFilter.PassesTheRawPoseThroughWhenDisabled");
   PoseFilterConfig config;

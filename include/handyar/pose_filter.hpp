@@ -41,8 +41,8 @@ struct MotionState {
   /// Constant velocities for `dt_s`, disturbed by white accelerations of the given spectral
   /// densities (m^2/s^3, rad^2/s^3).
   void advance(double dt_s, double density_m, double density_rad) noexcept;
-  /// Velocities become zero, the pose drifts as a random walk of the given densities.
-  void rest(double dt_s, double drift_m2_s, double drift_rad2_s) noexcept;
+  /// Velocities become zero; the pose stays.
+  void rest() noexcept;
 };
 
 /// Kalman filter on position, orientation and their velocities (paper 2.5): an error-state filter

@@ -15,15 +15,15 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Vector12d = MotionState::Vector12d;
 using Matrix12d = MotionState::Matrix12d;
 
-// Accelerations of the levels, as shares of the greatest. The first is the hand at rest: there its
-// velocity is zero and its place drifts a little. The second is a hand that is meant to be at rest.
-constexpr std::array<double, 4> kLevelShare{0.0, 0.003, 0.05, 1.0};
-constexpr double kDrift_m2_s = 1.6e-4 * 1.6e-4, kDrift_rad2_s = 1.7e-3 * 1.7e-3;
+// Accelerations of the levels, as shares of the greatest. The first is the hand at rest, the second
+// one that is meant to be.
+constexpr double kSlower = 1.0 / 16;
+constexpr std::array<double, 4> kLevelShare = {0, kSlower * kSlower, kSlower, 1};
 // How long a level lasts in the mean.
 constexpr double kLevelLasts_s = 1.0;
 
-// No measurement is better than this, whatever it says.
-constexpr double kLeastSigma_m = 5e-5, kLeastSigma_rad = 2e-4;
+// So that a measurement without any doubt can be weighed, too: of 1 um and 1 urad, squared.
+constexpr double kTiny = 1e-12;
 
 /// Quantile of the chi2 distribution with six degrees of freedom.
 double chi2_quantile_6(double probability) {
@@ -48,7 +48,7 @@ Matrix6d fresh_covariance(const PoseEstimate& m) {
 
 Matrix6d noise_of(const PoseEstimate& m) {
   Matrix6d R = fresh_covariance(m);
-  R.diagonal() += diagonal(kLeastSigma_rad * kLeastSigma_rad, kLeastSigma_m * kLeastSigma_m);
+  R.diagonal().array() += kTiny;
   return R;
 }
 
@@ -99,12 +99,11 @@ void MotionState::advance(double dt, double density_m, double density_rad) noexc
   covariance.bottomLeftCorner<6, 6>() = covariance.topRightCorner<6, 6>().transpose().eval();
 }
 
-void MotionState::rest(double dt, double drift_m2_s, double drift_rad2_s) noexcept {
+void MotionState::rest() noexcept {
   angular_velocity_rad_s.setZero();
   velocity_m_s.setZero();
   covariance.rightCols<6>().setZero();
   covariance.bottomRows<6>().setZero();
-  covariance.topLeftCorner<6, 6>().diagonal() += diagonal(drift_rad2_s, drift_m2_s) * dt;
 }
 
 PoseFilter::PoseFilter(const PoseFilterConfig& config) noexcept
@@ -187,7 +186,7 @@ bool PoseFilter::update(double time_s, const PoseEstimate& m) noexcept {
     MotionState& state = levels_[j].state;
     const double share2 = kLevelShare[j] * kLevelShare[j];
     if (j == 0)
-      state.rest(dt_s, kDrift_m2_s, kDrift_rad2_s);
+      state.rest();
     else
       state.advance(dt_s, share2 * m2, share2 * rad2);
     y[j] = innovation(state.rotation, state.translation_m, m);
