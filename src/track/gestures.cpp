@@ -39,18 +39,14 @@ namespace {
 // fingers point to the camera; a folded thumb lies before the palm or behind it.
 constexpr std::array<Posture, 3> kFingers = {
     {{}, {{-0.74, 0, 0, 0, 0}, {0.65, 1.35, 1.35, 1.35, 1.35}}, {{-0.75}, {0.95}}}};
-// A fist's knuckles lie nearer to the wrist than the roots of the figure's fingers, so that it
-// comes to lie lower than the palm, by about this (y of the hand frame).
-constexpr std::array<double, 3> kLower_m = {0, 0.005, 0};
-// They are held firmly, and the palm moves little from frame to frame (standard deviations): less
-// of a folded hand's outline is seen, and what is seen does not fit as well.
-constexpr double kFinger_rad = 0.05, kTurn_rad = 0.1, kMove_m = 0.012;
+// They and the palm are held so much more firmly than an open hand's (standard deviations): less of
+// a folded hand's outline is seen, and what is seen does not fit as well.
+constexpr double kFirmer = 5;
 
 constexpr int kThumb = 0;
 
-// An open hand fits while its thumb is not turned in farther than thumbs at rest are, and while its
-// log ratio is more than this share of what is usual for it.
-constexpr double kFits = 0.8, kThumbIn_rad = -0.45;
+// An open hand fits while its log ratio is more than this share of what is usual for it.
+constexpr double kFits = 0.8;
 // What is usual, and how the hand moves, is the mean of about this time; for so long it may go on
 // like that with no posture that fits, then it is given up. Fingers on their way pull the figure
 // along within frames: of `gesture` the palm strays by 10 px at most, by 16 where it is held still.
@@ -59,11 +55,6 @@ constexpr double kWhile_s = 0.3;
 // turned away or blurred cannot be told from a fist (clips of webcams: 790 instead of 810 of 974
 // open frames right, at no least).
 constexpr double kLeastUsual = 18;
-// It must explain about as much itself as what is no hand, little of whose outline is told from
-// inside: with less, fingers that open again would pull the palm with them.
-constexpr double kLeastFist = -0.5;
-// So long a posture leads before it counts.
-constexpr double kConfirm_s = 0.1;
 
 /// How many of the fingers but the thumb are gone.
 int gone_fingers(const PartShares& shares) {
@@ -84,7 +75,8 @@ bool is_four(const PartShares& shares) {
 }  // namespace
 
 bool Gestures::fits(const Alignment& open) const noexcept {
-  return open.state.posture.abduction_rad[kThumb] > kThumbIn_rad &&
+  const double folded_rad = kFingers[static_cast<int>(Gesture::four)].abduction_rad[kThumb];
+  return open.state.posture.abduction_rad[kThumb] > 0.5 * folded_rad &&
          open.log_ratio > kFits * usual_ratio_;
 }
 
@@ -103,7 +95,6 @@ void Gestures::remember(const Hypothesis& open, double dt_s) noexcept {
 
 void Gestures::carry(Gesture posture, double dt_s) noexcept {
   Alignment palm = laid(posture);
-  palm.state.T_camera_hand.translate(Eigen::Vector3d(0, kLower_m[static_cast<int>(posture)], 0));
   const HandState& before = hand_.alignment.state;
   const double keep = kept(dt_s);
   palm.state.velocity =
@@ -135,16 +126,9 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& p
     HandState expected = hand_.alignment.state;
     expected.T_camera_hand = expected.pose_after(dt_s);
     expected.posture = kFingers[i];
-    expected.T_camera_hand.translate(Eigen::Vector3d(0, -kLower_m[i], 0));
     HandPrior prior = prior_around(expected, person, dt_s, config);
     prior.mean.posture = kFingers[i];
-    const auto expect = [&](int at, int count, double sigma) {
-      prior.information.diagonal().segment(at, count).setConstant(1 / (sigma * sigma));
-    };
-    prior.information.block<kFingerCount, kFingerCount>(kAbductionAt, kAbductionAt).setZero();
-    expect(0, 3, kTurn_rad);
-    expect(3, 3, kMove_m);
-    expect(kAbductionAt, 2 * kFingerCount, kFinger_rad);
+    prior.information.topLeftCorner<kBoundaryAt, kBoundaryAt>() *= kFirmer * kFirmer;
     const bool follows = folded() && leader_ == static_cast<Gesture>(i);
     laid_[i] = aligner.align(frame, camera, hand_.appearance, expected, prior,
                              follows ? kNearSteps : kFarSteps);
@@ -165,7 +149,7 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   if (tracked && tracked->alignment.log_ratio > config.belief.seen())
     outstretched = std::max(outstretched, tracked->alignment.log_ratio);
   // Better by as much as tells a hand from none; a four need only explain the picture better.
-  if (ratio(Gesture::fist) > std::max(kLeastFist, outstretched + config.belief.seen()) &&
+  if (ratio(Gesture::fist) > outstretched + config.belief.seen() &&
       is_fist(shares(laid(Gesture::fist).state, frame, camera, aligner)))
     return Gesture::fist;
   if (ratio(Gesture::four) > std::max(config.belief.seen(), outstretched) &&
@@ -180,7 +164,8 @@ void Gestures::lead(Gesture posture, double dt_s) noexcept {
   leader_ = posture;
   holds_ = false;
   unclear_s_ = 0;
-  if (posture == gesture_ || leads_s_ < kConfirm_s) return;
+  // For as long as a hand may go on as it went: no single frame says it.
+  if (posture == gesture_ || leads_s_ < kLongest_s) return;
   gesture_ = posture;
   event_ = posture == Gesture::fist ? GestureEvent::grab : GestureEvent::click;
 }
