@@ -28,8 +28,6 @@ constexpr float kMostGain = 3.0f;
 constexpr float kLeastArea = 1e-3f;
 // Information that says nothing, in rad^-2 and m^-2.
 constexpr double kVague = 1e-3;
-// Fewer frames are no texture yet.
-constexpr int kFewest = 3;
 
 /// The pose at the time at which the palm's rows are read.
 Eigen::Isometry3d pose_at_palm(const Camera& camera, const HandState& state) {
@@ -183,7 +181,7 @@ PalmTexture::Pull PalmTexture::compare(const Sight& sight,
 
 void PalmTexture::pull(const ImageView& frame, const Camera& camera, Appearance appearance,
                        const HandState& state, HandMatrix& H, HandVector& g) const noexcept {
-  if (frames_ < kFewest || !knows(appearance)) return;
+  if (!knows(appearance)) return;
   const Eigen::Isometry3d T_camera_hand = pose_at_palm(camera, state);
   const Eigen::Isometry3d T_camera_grid = T_camera_hand * T_hand_grid_;
   const Pull seen = compare(Sight(frame, camera, surface_m_, T_camera_grid), T_camera_grid);
