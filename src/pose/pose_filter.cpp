@@ -15,8 +15,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Vector12d = MotionState::Vector12d;
 using Matrix12d = MotionState::Matrix12d;
 
-// Accelerations of the levels, as shares of the greatest, each 16 times the one before. The first is
-// the hand at rest, the second one that is meant to be.
+// Accelerations of the levels, as shares of the greatest, each 16 times the one before. The first
+// is the hand at rest, the second one that is meant to be.
 constexpr std::array<double, 4> kLevelShare{0, 1.0 / 256, 1.0 / 16, 1};
 // How long a level lasts in the mean.
 constexpr double kLevelLasts_s = 1.0;
