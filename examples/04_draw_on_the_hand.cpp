@@ -5,12 +5,12 @@
 #include <array>
 #include <cstdio>
 #include <exception>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "handyar/io/camera_file.hpp"
 #include "handyar/io/frame_source.hpp"
 #include "handyar/io/hand_file.hpp"
+#include "handyar/io/picture_file.hpp"
 #include "handyar/io/sample.hpp"
 #include "handyar/tracker.hpp"
 
@@ -50,7 +50,7 @@ int main(int argc, char** argv) try {
     const handyar::TrackResult result = tracker.process(frame.view(), frame.time_s);
     if (!result.pose || result.doubtful) continue;
     draw_cube(frame.bgr, camera, result.pose->T_camera_hand);
-    if (!cv::imwrite(argv[1], frame.bgr)) return 1;
+    handyar::io::write_picture(argv[1], frame.bgr);
     std::printf("drawn on frame %d\n", static_cast<int>(frame.index));
     return 0;
   }

@@ -13,7 +13,6 @@
 
 #include "handyar/io/pending_file.hpp"
 #include "handyar/io/pose_csv.hpp"
-#include "handyar/io/quiet_standard_error.hpp"
 #include "io_files.hpp"
 
 namespace handyar::io {
@@ -105,29 +104,6 @@ TEST_F(IoTest, WhatALinkLeadsToIsMade) {
   EXPECT_TRUE(fs::is_symlink(path("second.txt")));
   EXPECT_EQ(read_text(path("target.txt")), "new");
   EXPECT_EQ(files(), 3u);
-}
-
-TEST_F(IoTest, StandardErrorComesBackWhenTheLastHasEnded) {
-  const auto null = [] {
-    struct stat a, b;
-    ::fstat(STDERR_FILENO, &a);
-    ::stat("/dev/null", &b);
-    return a.st_rdev == b.st_rdev;
-  };
-  const int before = ::dup(STDERR_FILENO);
-  const int file = ::open(path("err").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-  ::dup2(file, STDERR_FILENO);
-  auto first = std::make_optional<QuietStandardError>();  // as two threads may have it
-  auto second = std::make_optional<QuietStandardError>();
-  first.reset();
-  const bool quiet = null();
-  second.reset();
-  const bool loud = !null();
-  ::dup2(before, STDERR_FILENO);
-  ::close(before);
-  ::close(file);
-  EXPECT_TRUE(quiet);
-  EXPECT_TRUE(loud);
 }
 
 TEST_F(IoTest, AFileThatIsReplacedKeepsItsPermissions) {

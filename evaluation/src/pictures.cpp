@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "handyar/io/error.hpp"
 #include "handyar/io/frame_source.hpp"
+#include "handyar/io/picture_file.hpp"
 #include "handyar/opencv/annotate.hpp"
 
 namespace handyar::evaluation {
@@ -130,9 +130,7 @@ void draw(cv::Mat& bgr, const Analysis& a, std::size_t i) {
 std::vector<unsigned char> jpeg(const cv::Mat& bgr) {
   cv::Mat small;
   cv::resize(bgr, small, {kWidth_px, kWidth_px * bgr.rows / bgr.cols}, 0, 0, cv::INTER_AREA);
-  std::vector<unsigned char> bytes;
-  cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
-  return bytes;
+  return io::encode_picture(small, ".jpg", "a picture of the report", kJpegQuality);
 }
 
 }  // namespace

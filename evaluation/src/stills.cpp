@@ -5,14 +5,13 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "annotated_list.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/pending_file.hpp"
-#include "handyar/io/quiet_standard_error.hpp"
+#include "handyar/io/picture_file.hpp"
 
 namespace handyar::evaluation {
 namespace {
@@ -37,18 +36,6 @@ Still read_still(const AnnotatedList& list, const AnnotatedList::Row& row) {
   return s;
 }
 
-/// In the pixels as stored, whatever turn the file notes: the annotations are in these.
-cv::Mat read_picture(const std::string& path) {
-  cv::Mat picture;
-  try {
-    const io::QuietStandardError quiet;
-    picture = cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
-  }
-  if (picture.empty()) throw io::Error(path, "is not a picture that can be read");
-  return picture;
-}
-
 /// The picture in the middle of a black frame, and where its pixels went.
 struct Letterbox {
   cv::Mat frame;
@@ -57,7 +44,8 @@ struct Letterbox {
 };
 
 Letterbox letterbox(const Still& still) {
-  const cv::Mat picture = read_picture(still.picture);
+  // In the pixels as stored, whatever turn the file notes: the annotations are in these.
+  const cv::Mat picture = io::read_picture(still.picture, {.upright = false});
   const double s = std::min(double(kWidth_px) / picture.cols, double(kHeight_px) / picture.rows);
   const int width = int(picture.cols * s) / 2 * 2, height = int(picture.rows * s) / 2 * 2;
   if (width == 0 || height == 0)

@@ -141,20 +141,6 @@ bool matroska_chain_broken(Bytes& file) {
   return at > end;
 }
 
-// ITU T.81: segments with their length behind two bytes of marker, up to the picture's data, in
-// which the end's marker does not occur. A smaller picture may lie whole in a segment before.
-bool jpeg_cut_short(Bytes& file) {
-  for (std::uint64_t at = 2;;) {
-    const std::string head = file.read(at, 4);
-    if (head.size() < 4) return true;
-    if (head[0] != '\xff') return false;
-    if (head[1] == '\xda') {
-      return file.read(at, file.size() - at).find("\xff\xd9") == std::string::npos;
-    }
-    at += head[1] == '\xff' ? 1 : 2 + big_endian(std::string_view(head).substr(2, 2));
-  }
-}
-
 }  // namespace
 
 bool is_cut_short(const std::string& path) {
@@ -165,7 +151,6 @@ bool is_cut_short(const std::string& path) {
   if (is_mp4(head)) return mp4_cut_short(file, fragmented);
   if (is_avi(head)) return avi_cut_short(file);
   if (head.starts_with(kEbml)) return matroska_cut_short(file);
-  if (head.compare(0, 3, "\xff\xd8\xff") == 0) return jpeg_cut_short(file);
   return false;
 }
 

@@ -6,9 +6,8 @@
 namespace handyar::io {
 
 /// True when a video file (MP4, MOV, AVI, Matroska, WebM) ends before the length that its own
-/// headers state, or a JPEG before its end marker. The number of frames that a container promises
-/// cannot tell: it is an estimate in AVI and Matroska, and after a lossless cut an MP4 counts
-/// frames that are not to be shown.
+/// headers state. The number of frames that a container promises cannot tell: it is an estimate in
+/// AVI and Matroska, and after a lossless cut an MP4 counts frames that are not to be shown.
 bool is_cut_short(const std::string& path);
 
 /// True when in an AVI, Matroska or WebM one part does not follow the other: their readers go on at

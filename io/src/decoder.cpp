@@ -5,7 +5,8 @@
 #include <limits>
 
 #include "handyar/io/error.hpp"
-#include "libav.hpp"
+#include "pixels.hpp"
+#include "sources.hpp"
 
 extern "C" {
 #include <libavutil/display.h>
@@ -35,9 +36,8 @@ struct Decoder::Impl {
   Libav<AVCodecContext> codec;
   Libav<AVPacket> packet{av_packet_alloc()};
   Libav<AVFrame> frame{av_frame_alloc()};
-  Libav<SwsContext> scaler;
+  PixelConverter converter{PixelConverter::Care::fast};
   AVStream* stream = nullptr;
-  cv::Mat wide;
   bool ended = false;
   int faults = 0;
 
@@ -77,29 +77,10 @@ struct Decoder::Impl {
     av_packet_unref(packet.get());
     return sound;
   }
-
-  bool convert(cv::Mat& bgr) {
-    scaler.reset(sws_getCachedContext(
-        scaler.release(), frame->width, frame->height, static_cast<AVPixelFormat>(frame->format),
-        frame->width, frame->height, AV_PIX_FMT_BGR24, SWS_BICUBIC, nullptr, nullptr, nullptr));
-    if (!scaler) return false;
-    // It writes whole blocks of pixels, and leaves the last ones out where a row has no room.
-    constexpr int kBlock = 32;
-    const int room = (frame->width + kBlock - 1) / kBlock * kBlock;
-    cv::Mat& to = room == frame->width ? bgr : wide;
-    to.create(frame->height, room, CV_8UC3);
-    std::uint8_t* const rows[] = {to.data, nullptr, nullptr, nullptr};
-    const int strides[] = {static_cast<int>(to.step[0]), 0, 0, 0};
-    if (sws_scale(scaler.get(), frame->data, frame->linesize, 0, frame->height, rows, strides) !=
-        frame->height)
-      return false;
-    if (room != frame->width) wide.colRange(0, frame->width).copyTo(bgr);
-    return true;
-  }
 };
 
 Decoder::Decoder(const std::string& path) {
-  av_log_set_level(AV_LOG_QUIET);
+  silence_libraries();
   impl_ = std::make_unique<Impl>(path);
 }
 Decoder::~Decoder() = default;
@@ -115,7 +96,8 @@ Decoder::Step Decoder::next(cv::Mat& bgr, double& time_s) {
       time_s = stamp == AV_NOPTS_VALUE
                    ? std::numeric_limits<double>::quiet_NaN()
                    : static_cast<double>(stamp) * av_q2d(impl_->stream->time_base);
-      return sound && impl_->convert(bgr) ? Step::picture : Step::damage;
+      return sound && impl_->converter.to_mat(frame, AV_PIX_FMT_BGR24, bgr) ? Step::picture
+                                                                            : Step::damage;
     }
     if (received == AVERROR_EOF) return Step::end;
     if (received != AVERROR(EAGAIN)) return Step::damage;

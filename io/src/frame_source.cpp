@@ -17,6 +17,7 @@
 #include "handyar/io/cameras.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/sample.hpp"
+#include "libav.hpp"
 #include "sources.hpp"
 
 namespace fs = std::filesystem;
@@ -90,7 +91,7 @@ void require_same_size(const Frame& frame, const SourceInfo& info) {
 
 void silence_libraries() {
   [[maybe_unused]] static const bool once = [] {
-    ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // AV_LOG_QUIET
+    av_log_set_level(AV_LOG_QUIET);
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     return true;
   }();

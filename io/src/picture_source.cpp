@@ -2,13 +2,11 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <vector>
 
-#include "container.hpp"
 #include "handyar/io/error.hpp"
-#include "handyar/io/quiet_standard_error.hpp"
+#include "handyar/io/picture_file.hpp"
 #include "sources.hpp"
 
 namespace fs = std::filesystem;
@@ -103,14 +101,7 @@ class PictureSource final : public FrameSource {
   }
 
   void decode(const std::string& path) {
-    try {
-      const QuietStandardError quiet;
-      loaded_ = cv::imread(path, cv::IMREAD_COLOR);  // turned as its EXIF says
-    } catch (const cv::Exception&) {
-      loaded_.release();
-    }
-    if (loaded_.empty()) throw Error(path, "is not a picture that can be read");
-    if (is_cut_short(path)) throw Error(path, "breaks off");  // the rest is grey
+    loaded_ = read_picture(path);
     reduce(loaded_, info_.reduced_by);
     loaded_path_ = path;
   }

@@ -3,95 +3,92 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
+#include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "container.hpp"
-#include "decoder.hpp"
+#include "encoder.hpp"
 #include "handyar/io/error.hpp"
-#include "sources.hpp"
+#include "pixels.hpp"
+
+extern "C" {
+#include <libavutil/opt.h>
+}
 
 namespace handyar::io {
 namespace {
 
-// Codecs in order of preference; the first that has an encoder here is taken.
-std::vector<int> codecs_for(const std::string& path) {
+constexpr double kLongestPause_s = 10;
+
+std::vector<VideoCoding> codings_for(const std::string& path, cv::Size size, double fps) {
   std::string extension = std::filesystem::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const int h264 = cv::VideoWriter::fourcc('a', 'v', 'c', '1');
-  const int h264_in_matroska = cv::VideoWriter::fourcc('H', '2', '6', '4');
-  const int mpeg4 = cv::VideoWriter::fourcc('m', 'p', '4', 'v');
-  const int mpeg4_in_avi = cv::VideoWriter::fourcc('X', 'V', 'I', 'D');
-  if (extension == ".mp4" || extension == ".mov") return {h264, mpeg4};
-  if (extension == ".mkv") return {h264_in_matroska, mpeg4_in_avi};
-  if (extension == ".avi") return {mpeg4_in_avi};
-  throw Error(path, "its name must end in .mp4, .mov, .mkv or .avi");
+  const bool avi = extension == ".avi";
+  if (!avi && extension != ".mp4" && extension != ".mov" && extension != ".mkv")
+    throw Error(path, "its name must end in .mp4, .mov, .mkv or .avi");
+  const AVRational rate = av_d2q(fps, 60'000);  // MPEG-4 counts up to 65 535
+  const auto h264 = [rate](AVCodecContext& codec) {
+    codec.framerate = rate;
+    av_opt_set(codec.priv_data, "crf", "23", 0);  // of x264: what it holds for good
+  };
+  const auto mpeg4 = [=](AVCodecContext& codec) {
+    codec.framerate = rate;
+    codec.bit_rate = std::llround(fps * size.area() / 3);  // a third of a bit for a pixel
+    if (avi) codec.codec_tag = MKTAG('X', 'V', 'I', 'D');  // as players of AVI know it
+  };
+  std::vector<VideoCoding> codings;
+  if (!avi) codings.push_back({AV_CODEC_ID_H264, AV_PIX_FMT_YUV420P, av_inv_q(rate), h264});
+  codings.push_back({AV_CODEC_ID_MPEG4, AV_PIX_FMT_YUV420P, av_inv_q(rate), mpeg4});
+  return codings;
 }
 
-constexpr double kLongestPause_s = 10;
-
-// OpenCV says of no write whether it succeeded. What hinders one now most likely hindered it
-// before.
-std::string reason_against_writing(const std::string& path) {
-  errno = 0;
-  std::ofstream stream(path, std::ios::binary | std::ios::app);
-  stream << std::string(1 << 16, '\0') << std::flush;
-  if (stream) return "";
-  return errno != 0 ? std::string(": ") + std::strerror(errno) : ": unknown reason";
+// Colours are kept for two by two pixels.
+cv::Size even(int width_px, int height_px) {
+  return {width_px + width_px % 2, height_px + height_px % 2};
 }
 
 }  // namespace
 
-VideoWriter::VideoWriter(const std::string& path, int width_px, int height_px, double fps)
-    : file_((codecs_for(path), path)), fps_(fps) {
-  silence_libraries();
-  const cv::Size even(width_px + width_px % 2, height_px + height_px % 2);
-  for (const int codec : codecs_for(path)) {
-    try {
-      if (writer_.open(file_.path(), cv::CAP_FFMPEG, codec, fps, even)) return;
-    } catch (const cv::Exception&) {
-    }
-  }
-  if (const std::string reason = reason_against_writing(file_.path()); !reason.empty()) {
-    throw Error(path, "cannot be written" + reason);
-  }
-  throw Error(path, "no video encoder for " + std::to_string(width_px) + "x" +
-                        std::to_string(height_px) + " pixels was found");
-}
+struct VideoWriter::Impl {
+  Encoder encoder;
+  PixelConverter converter{PixelConverter::Care::fast};
+  double fps, start_s = 0;
+  std::int64_t frames = 0;
+  cv::Mat last, even;
 
-// Colours are kept for two by two pixels: the last row or column of an odd size is shown twice.
-void VideoWriter::put(const cv::Mat& bgr) {
-  const int right = bgr.cols % 2, below = bgr.rows % 2;
-  if (right + below > 0) cv::copyMakeBorder(bgr, even_, 0, below, 0, right, cv::BORDER_REPLICATE);
-  writer_.write(right + below > 0 ? even_ : bgr);
-  ++frames_;
-}
+  Impl(const std::string& path, cv::Size size, double frames_per_s)
+      : encoder(path, size.width, size.height, codings_for(path, size, frames_per_s)),
+        fps(frames_per_s) {}
+
+  // The last row or column of an odd size is shown twice.
+  void put(const cv::Mat& bgr) {
+    const int right = bgr.cols % 2, below = bgr.rows % 2;
+    if (right + below > 0) cv::copyMakeBorder(bgr, even, 0, below, 0, right, cv::BORDER_REPLICATE);
+    if (!converter.to_frame(right + below > 0 ? even : bgr, AV_PIX_FMT_BGR24, encoder.picture()))
+      throw Error(encoder.target(), "cannot be encoded");
+    encoder.write(frames++);
+  }
+};
+
+VideoWriter::VideoWriter(const std::string& path, int width_px, int height_px, double fps)
+    : impl_(std::make_unique<Impl>(path, even(width_px, height_px), fps)) {}
+VideoWriter::~VideoWriter() = default;
+VideoWriter::VideoWriter(VideoWriter&&) noexcept = default;
 
 void VideoWriter::write(const cv::Mat& bgr, double time_s) {
-  const double written_s = static_cast<double>(frames_) / fps_;
-  start_s_ = frames_ == 0 ? time_s : std::max(start_s_, time_s - written_s - kLongestPause_s);
+  Impl& w = *impl_;
+  const double written_s = static_cast<double>(w.frames) / w.fps;
+  w.start_s = w.frames == 0 ? time_s : std::max(w.start_s, time_s - written_s - kLongestPause_s);
   // A frame's jitter is no reason to show one twice, or not at all.
-  double late = (time_s - start_s_ - written_s) * fps_;
-  for (; late > 1; --late) put(last_);
+  double late = (time_s - w.start_s - written_s) * w.fps;
+  for (; late > 1; --late) w.put(w.last);
   if (late < -1) return;
-  put(bgr);
-  bgr.copyTo(last_);
+  w.put(bgr);
+  bgr.copyTo(w.last);
 }
 
-void VideoWriter::finish() {
-  writer_.release();
-  std::error_code fault;
-  if (std::filesystem::is_regular_file(file_.path(), fault) &&
-      (std::filesystem::file_size(file_.path(), fault) == 0 || is_cut_short(file_.path()) ||
-       count_packets(file_.path()) < frames_)) {
-    throw Error(file_.target(), "cannot be written whole" + reason_against_writing(file_.path()));
-  }
-  file_.commit();
-}
+void VideoWriter::finish() { impl_->encoder.finish(); }
 
 }  // namespace handyar::io

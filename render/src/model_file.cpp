@@ -10,13 +10,12 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "gltf.hpp"
 #include "handyar/io/error.hpp"
-#include "handyar/io/quiet_standard_error.hpp"
+#include "handyar/io/picture_file.hpp"
 #include "handyar/render/model.hpp"
 #include "motion.hpp"
 #include "ply.hpp"
@@ -41,41 +40,34 @@ class Files : public Assimp::DefaultIOSystem {
   }
 };
 
-cv::Mat to_rgba(const cv::Mat& decoded) {
-  cv::Mat rgba;
-  switch (decoded.channels()) {
-    case 1:
-      cv::cvtColor(decoded, rgba, cv::COLOR_GRAY2RGBA);
-      break;
-    case 3:
-      cv::cvtColor(decoded, rgba, cv::COLOR_BGR2RGBA);
-      break;
-    default:
-      cv::cvtColor(decoded, rgba, cv::COLOR_BGRA2RGBA);
+// The picture that `read` gives; `name` is what the model calls it.
+template <class Read>
+cv::Mat texture(const fs::path& model, const std::string& name, Read read) {
+  try {
+    return read(io::PictureOptions{.pixels = io::PictureOptions::Pixels::rgba});
+  } catch (const io::Error&) {
+    fail(model, "its " + name + " cannot be read");
   }
-  return rgba;
 }
 
 // A file's bytes of RGBA; `name` is what the model calls it.
 cv::Mat read_picture(const aiScene& scene, const aiString& name, const fs::path& model) {
-  const io::QuietStandardError quiet;
-  cv::Mat image;
   if (const aiTexture* embedded = scene.GetEmbeddedTexture(name.C_Str())) {
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(embedded->pcData);
     if (embedded->mHeight == 0)  // a compressed file of mWidth bytes
-      image = cv::imdecode(cv::Mat(1, static_cast<int>(embedded->mWidth), CV_8U, embedded->pcData),
-                           cv::IMREAD_UNCHANGED);
-    else
-      image = cv::Mat(static_cast<int>(embedded->mHeight), static_cast<int>(embedded->mWidth),
-                      CV_8UC4, embedded->pcData);
-    if (image.empty()) fail(model, "its embedded texture cannot be read");
-  } else {
-    if (name.length == 0) fail(model, "has a texture without a picture");
-    const std::string file = file_named((model.parent_path() / name.C_Str()).string());
-    image = cv::imread(file, cv::IMREAD_UNCHANGED);
-    if (image.empty()) fail(model, "its texture " + file + " cannot be read");
+      return texture(model, "embedded texture", [&](const auto& options) {
+        return io::decode_picture({bytes, embedded->mWidth}, "", options);
+      });
+    const cv::Mat bgra(static_cast<int>(embedded->mHeight), static_cast<int>(embedded->mWidth),
+                       CV_8UC4, embedded->pcData);
+    cv::Mat rgba;
+    cv::cvtColor(bgra, rgba, cv::COLOR_BGRA2RGBA);
+    return rgba;
   }
-  if (image.depth() != CV_8U) image.convertTo(image, CV_8U, 1.0 / 257);
-  return to_rgba(image);
+  if (name.length == 0) fail(model, "has a texture without a picture");
+  const std::string file = file_named((model.parent_path() / name.C_Str()).string());
+  return texture(model, "texture " + file,
+                 [&](const auto& options) { return io::read_picture(file, options); });
 }
 
 // "OPAQUE", "MASK" or "BLEND"; empty where the material is not of a glTF file.

@@ -2,12 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
 #include "handyar/io/json.hpp"
 #include "handyar/io/pending_file.hpp"
-#include "handyar/io/quiet_standard_error.hpp"
+#include "handyar/io/picture_file.hpp"
 #include "handyar/world/world_map.hpp"
 #include "picture.hpp"
 
@@ -165,11 +164,12 @@ class Reader {
                       big_endian(16) == static_cast<std::uint32_t>(map_.camera.width_px) &&
                       big_endian(20) == static_cast<std::uint32_t>(map_.camera.height_px);
     if (!fits) fail("a picture is no PNG of the camera's size");
-    const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-    const io::QuietStandardError quiet;
-    cv::Mat grey = cv::imdecode(raw, cv::IMREAD_GRAYSCALE);
-    if (grey.empty()) fail("a picture cannot be read");
-    return grey;
+    const std::span raw(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    try {
+      return io::decode_picture(raw, name_, {io::PictureOptions::Pixels::grey, false});
+    } catch (const io::Error&) {
+      fail("a picture cannot be read");
+    }
   }
 
   void read_corners(const Json& in, Keyframe& keyframe) const {
@@ -260,7 +260,7 @@ WorldMap read_map(const std::string& path) {
 void write_map(const std::string& path, const WorldMap& map) {
   std::vector<std::vector<std::uint8_t>> pictures(map.keyframes.size());
   for (std::size_t k = 0; k < pictures.size(); ++k)
-    cv::imencode(".png", map.keyframes[k].grey, pictures[k]);
+    pictures[k] = io::encode_picture(map.keyframes[k].grey, ".png", path);
   std::string bytes = header(map, pictures).dump() + "\n";
   for (const auto& picture : pictures) bytes.append(picture.begin(), picture.end());
   io::write_text(path, bytes);
