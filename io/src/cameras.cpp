@@ -13,6 +13,9 @@
 #include <cstring>
 #include <filesystem>
 #include <set>
+#else
+#include "handyar/io/error.hpp"
+#include "sources.hpp"
 #endif
 
 namespace handyar::io {
@@ -87,6 +90,10 @@ std::vector<CameraInfo> list_cameras() {
 }
 #else
 std::vector<CameraInfo> list_cameras() { return {}; }
+
+std::unique_ptr<FrameSource> open_camera(const std::string& device, const CameraSettings&) {
+  throw Error(device, "cameras are opened on Linux only");
+}
 #endif
 
 }  // namespace handyar::io

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include <unistd.h>
-
-#include <cerrno>
 #include <chrono>
 #include <cmath>
-#include <cstring>
-#include <opencv2/videoio.hpp>
 
 #include "handyar/io/error.hpp"
 #include "handyar/io/latest_frame.hpp"
 #include "sources.hpp"
+#include "v4l2_camera.hpp"
 
 namespace handyar::io {
 namespace {
@@ -44,20 +40,11 @@ class LiveClock {
 
 class LiveSource final : public FrameSource {
  public:
-  LiveSource(const std::string& device, const CameraSettings& settings) : settings_(settings) {
+  LiveSource(const std::string& device, const CameraSettings& settings, DriverCalls& calls)
+      : settings_(settings), camera_(device, settings, calls) {
     info_.name = device;
     info_.live = true;
-    if (::access(device.c_str(), R_OK | W_OK) != 0) {
-      throw Error(device,
-                  std::string("no such camera, or it cannot be opened: ") + std::strerror(errno));
-    }
-    try {
-      capture_.open(device, cv::CAP_V4L2);
-    } catch (const cv::Exception&) {
-    }
-    if (!capture_.isOpened()) throw Error(device, "is not a camera, or another program uses it");
-    ask();
-    const double fps = capture_.get(cv::CAP_PROP_FPS);
+    const double fps = camera_.fps();
     if (std::isfinite(fps) && fps >= 1 && fps <= 1000) info_.fps = fps;
     Frame first;
     if (!grab(first)) throw Error(device, "the camera gives no pictures");
@@ -67,7 +54,7 @@ class LiveSource final : public FrameSource {
     require_asked_size();
     latest_ = std::make_unique<LatestFrame>([this](Frame& frame) { return grab(frame); });
   }
-  ~LiveSource() override { latest_.reset(); }  // its thread uses the capture
+  ~LiveSource() override { latest_.reset(); }  // its thread uses the camera
 
   const SourceInfo& info() const noexcept override { return info_; }
 
@@ -78,17 +65,6 @@ class LiveSource final : public FrameSource {
   }
 
  private:
-  void ask() {
-    if (settings_.width_px > 0) {
-      // Large pictures come fast enough only when the camera compresses them.
-      if (settings_.width_px > 640)
-        capture_.set(cv::CAP_PROP_FOURCC, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'));
-      capture_.set(cv::CAP_PROP_FRAME_WIDTH, settings_.width_px);
-      capture_.set(cv::CAP_PROP_FRAME_HEIGHT, settings_.height_px);
-    }
-    if (settings_.fps > 0) capture_.set(cv::CAP_PROP_FPS, settings_.fps);
-  }
-
   void require_asked_size() const {
     if (settings_.width_px == 0 ||
         (info_.width_px == settings_.width_px && info_.height_px == settings_.height_px))
@@ -101,27 +77,22 @@ class LiveSource final : public FrameSource {
 
   // By the second second the camera has adapted itself to the light.
   void lock_when_settled(double time_s) {
-    constexpr double kSettled_s = 1, kManual = 1;  // of V4L2's exposure modes
+    constexpr double kSettled_s = 1;
     if (!settings_.lock || time_s < kSettled_s) return;
     settings_.lock = false;
-    capture_.set(cv::CAP_PROP_AUTO_EXPOSURE, kManual);
-    capture_.set(cv::CAP_PROP_AUTO_WB, 0);
-    capture_.set(cv::CAP_PROP_AUTOFOCUS, 0);
+    camera_.lock();
   }
 
   bool grab(Frame& frame) {
-    try {
-      if (!capture_.read(frame.bgr) || frame.bgr.empty()) return false;
-    } catch (const cv::Exception&) {
-      return false;
-    }
-    frame.time_s = clock_.next(capture_.get(cv::CAP_PROP_POS_MSEC) / 1000.0, steady_s());
+    double taken_s = 0;
+    if (!camera_.read(frame.bgr, taken_s)) return false;
+    frame.time_s = clock_.next(taken_s, steady_s());
     lock_when_settled(frame.time_s);
     return true;
   }
 
   CameraSettings settings_;
-  cv::VideoCapture capture_;
+  V4l2Camera camera_;
   LiveClock clock_;
   SourceInfo info_;
   std::unique_ptr<LatestFrame> latest_;
@@ -129,9 +100,14 @@ class LiveSource final : public FrameSource {
 
 }  // namespace
 
+std::unique_ptr<FrameSource> open_camera(const std::string& device, const CameraSettings& settings,
+                                         DriverCalls& calls) {
+  return std::make_unique<LiveSource>(device, settings, calls);
+}
+
 std::unique_ptr<FrameSource> open_camera(const std::string& device,
                                          const CameraSettings& settings) {
-  return std::make_unique<LiveSource>(device, settings);
+  return open_camera(device, settings, system_calls());
 }
 
 }  // namespace handyar::io

@@ -9,10 +9,15 @@
 
 namespace handyar::io {
 
+class DriverCalls;
+
 std::unique_ptr<FrameSource> open_video(const std::string& path);
 /// `pattern` is a picture's path, or holds one %d or %0Nd.
 std::unique_ptr<FrameSource> open_pictures(const std::string& pattern);
 std::unique_ptr<FrameSource> open_camera(const std::string& device, const CameraSettings& settings);
+/// The same with a driver that answers these calls.
+std::unique_ptr<FrameSource> open_camera(const std::string& device, const CameraSettings& settings,
+                                         DriverCalls& calls);
 
 bool is_picture(const std::string& path);
 /// Whether the file name holds a %d or %0Nd.

@@ -11,7 +11,7 @@
 namespace handyar::io {
 
 /// Takes frames from a camera on a thread of its own and keeps only the newest, so that a slow
-/// reader sees what is, not what was: drivers and OpenCV queue several frames.
+/// reader sees what is, not what was: drivers queue several frames.
 class LatestFrame {
  public:
   /// Blocks until the next frame, fills bgr and time_s; false when the camera gives no more.
