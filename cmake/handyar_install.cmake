@@ -5,7 +5,7 @@
 #
 # Everything belongs to a component, of which cmake/handyar_packages.cmake makes Debian packages:
 # `library` is what programs need to run, `development` what is needed to build them, `program` the
-# command line.
+# command line, `markers` what it loads to find them.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/handyar)

@@ -1,5 +1,6 @@
 # Debian packages, by `cpack` in a build of the preset `package`: libhandyar1 for programs to run,
-# libhandyar-dev to build them, handyar the command line, python3-handyar where it is built.
+# libhandyar-dev to build them, handyar the command line, handyar-markers and python3-handyar where
+# they are built.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "the handyar authors")
 set(CPACK_PACKAGE_CONTACT "The handyar authors <authors@handyar.invalid>")  # no mail is read
@@ -48,11 +49,19 @@ handyar_package(development libhandyar-dev libdevel
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libhandyar1 (= ${PROJECT_VERSION}), libeigen3-dev (>= 3.4)")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS  # of the components io, calibration and world
-  "libopencv-dev, nlohmann-json3-dev, libavformat-dev, libavcodec-dev, libavutil-dev, libswscale-dev, pkg-config")
+  "libopencv-calib3d-dev, libopencv-video-dev, nlohmann-json3-dev, libavformat-dev, libavcodec-dev, libavutil-dev, libswscale-dev, pkg-config")
 
 handyar_package(program handyar graphics
   "This package has the command line: from a video or a webcam to poses, an\nannotated video or a window.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libegl1, libgl1-mesa-dri")  # libepoxy opens them itself
+
+if(TARGET handyar_markers)
+  list(APPEND CPACK_COMPONENTS_ALL markers)
+  handyar_package(markers handyar-markers graphics
+    "This package lets the command line find printed markers, for its commands inspect\nand evaluate.")
+  set(CPACK_DEBIAN_MARKERS_PACKAGE_DEPENDS "handyar (= ${PROJECT_VERSION})")
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS handyar-markers)
+endif()
 
 if(TARGET python__core)
   list(APPEND CPACK_COMPONENTS_ALL python)

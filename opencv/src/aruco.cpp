@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "handyar/opencv/aruco.hpp"
 
+#include <dlfcn.h>
+
 #include <algorithm>
-#include <utility>
 
 #include "handyar/io/error.hpp"
-#ifdef HANDYAR_ARUCO
-#include <opencv2/aruco.hpp>
-#endif
+#include "markers_module.hpp"
 
 namespace handyar {
 namespace {
@@ -27,9 +26,17 @@ constexpr Dictionary kDictionaries[] = {
     {"DICT_7X7_1000", 1000},    {"DICT_ARUCO_ORIGINAL", 1024}, {"DICT_APRILTAG_16h5", 30},
     {"DICT_APRILTAG_25h9", 35}, {"DICT_APRILTAG_36h10", 2320}, {"DICT_APRILTAG_36h11", 587},
 };
-#ifdef HANDYAR_ARUCO
-static_assert(cv::aruco::DICT_APRILTAG_36h11 + 1 == std::size(kDictionaries));
-#endif
+static_assert(std::size(kDictionaries) == kDictionaryCount);
+
+// Null: it is not installed. Programs know its folder by their RUNPATH.
+FindMarkers* loaded() {
+  static FindMarkers* const found = [] {
+    void* const library = ::dlopen(HANDYAR_MARKERS_LIBRARY, RTLD_NOW | RTLD_LOCAL);
+    return library == nullptr ? nullptr
+                              : reinterpret_cast<FindMarkers*>(::dlsym(library, kFindMarkers));
+  }();
+  return found;
+}
 
 }  // namespace
 
@@ -53,40 +60,18 @@ std::array<cv::Point3d, 4> marker_corners_m(double size_m) {
   return {{{-h, h, 0}, {h, h, 0}, {h, -h, 0}, {-h, -h, 0}}};
 }
 
-#ifdef HANDYAR_ARUCO
+void require_aruco() {
+  if (loaded() == nullptr)
+    throw io::Error("markers",
+                    "OpenCV's ArUco, which finds them, is not there: install the package "
+                    "handyar-markers, or build with libopencv-contrib-dev");
+}
 
-void require_aruco() {}
-
-// With OpenCV 4.7 a dictionary became a value, and detection an object's.
 std::vector<SeenMarker> detect_markers(const cv::Mat& picture, int dictionary_number) {
-  const auto dictionary = cv::aruco::getPredefinedDictionary(dictionary_number);
-  std::vector<std::vector<cv::Point2f>> corners;
-  std::vector<int> ids;
-#if CV_VERSION_MAJOR > 4 || CV_VERSION_MINOR >= 7
-  cv::aruco::DetectorParameters parameters;
-  parameters.cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
-  cv::aruco::ArucoDetector(dictionary, parameters).detectMarkers(picture, corners, ids);
-#else
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
-  cv::aruco::detectMarkers(picture, dictionary, corners, ids, parameters);
-#endif
+  require_aruco();
   std::vector<SeenMarker> seen;
-  for (std::size_t i = 0; i < ids.size(); ++i) seen.push_back({ids[i], std::move(corners[i])});
+  loaded()(picture, dictionary_number, seen);
   return seen;
 }
-
-#else
-
-void require_aruco() {
-  throw io::Error("markers", "this handyar was built without OpenCV's ArUco, which finds them");
-}
-
-std::vector<SeenMarker> detect_markers(const cv::Mat&, int) {
-  require_aruco();
-  return {};
-}
-
-#endif
 
 }  // namespace handyar

@@ -44,8 +44,25 @@ if(PKG_CONFIG)
   run(${WORK_DIR}/by_pkg_config)
 endif()
 
+# complains(ABOUT): the installed program, told to inspect what is not there among markers, names
+# what it misses first.
+function(complains about)
+  execute_process(COMMAND ${prefix}/bin/handyar inspect none.mp4
+    --scene ${CMAKE_CURRENT_LIST_DIR}/../../data/scene_select.json
+    ERROR_VARIABLE said RESULT_VARIABLE code)
+  if(NOT code EQUAL 1 OR NOT said MATCHES "${about}")
+    message(FATAL_ERROR "handyar inspect should complain about ${about}, and says: ${said}")
+  endif()
+endfunction()
+
 if(EXISTS ${prefix}/bin/handyar)
   run(${prefix}/bin/handyar --version)
+  file(GLOB_RECURSE module ${prefix}/*handyar-markers*)
+  if(module)
+    complains("none.mp4: no such file")
+    file(REMOVE ${module})
+  endif()
+  complains("markers: .*install the package handyar-markers")
   file(GLOB_RECURSE pages ${prefix}/*/handyar*.1.gz)
   list(LENGTH pages count)
   execute_process(COMMAND bash -c

@@ -28,8 +28,8 @@ struct SeenMarker {
   std::vector<cv::Point2f> corners_px;  ///< in the order of marker_corners_m
 };
 
-/// Throws io::Error in a program that was built without OpenCV's ArUco: it is in OpenCV's contrib
-/// modules, which are large and which only markers need.
+/// Throws io::Error where OpenCV's ArUco is not installed: it is in OpenCV's contrib modules, which
+/// are large and which only markers need, so what uses it is a library of its own.
 void require_aruco();
 
 /// The markers of a dictionary in a grey or BGR picture, corners refined to sub-pixel.
