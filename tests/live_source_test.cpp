@@ -33,6 +33,7 @@ struct Shot {
 class FakeDriver : public DriverCalls {
  public:
   std::vector<std::uint32_t> formats = {V4L2_PIX_FMT_YUYV};
+  unsigned width_px = kWidth_px;
   unsigned padding_bytes = 0;  ///< behind every row
   bool is_camera = true, busy = false;
   std::deque<Shot> shots;  ///< what it sees; then it is unplugged
@@ -116,7 +117,7 @@ class FakeDriver : public DriverCalls {
   // It has one size.
   int set(v4l2_pix_format& format) {
     chosen = format.pixelformat;
-    format.width = kWidth_px;
+    format.width = width_px;
     format.height = kHeight_px;
     const auto row_bytes = [&]() -> unsigned {
       switch (chosen) {
@@ -289,6 +290,11 @@ TEST(LiveSourceTest, PicturesThatAreTooShortAreLeftOut) {
   ASSERT_TRUE(camera.read(bgr, taken_s));
   EXPECT_EQ(taken_s, 2);
   EXPECT_FALSE(camera.read(bgr, taken_s));
+
+  FakeDriver other;
+  other.padding_bytes = 0x66666680 - 2 * kWidth_px;  // a row of these, times 640: 16384 in 32 bit
+  other.shots = {{whole, 3}};
+  EXPECT_FALSE(V4l2Camera(kDevice, {}, other).read(bgr, taken_s));
 }
 
 // The message with which a source ends.
@@ -328,6 +334,8 @@ TEST(LiveSourceTest, WhatIsNoCameraIsSaid) {
   EXPECT_EQ(fault([](FakeDriver& driver) { driver.is_camera = false; }), none);
   EXPECT_EQ(fault([](FakeDriver& driver) { driver.busy = true; }), none);
   EXPECT_EQ(fault([](FakeDriver& driver) { driver.formats = {V4L2_PIX_FMT_H264}; }), none);
+  for (const unsigned width_px : {0u, 1u << 30})
+    EXPECT_EQ(fault([=](FakeDriver& driver) { driver.width_px = width_px; }), none) << width_px;
   FakeDriver driver;
   EXPECT_EQ(fault_of([&] { open_camera("/dev/video1", {}, driver); }),
             "/dev/video1: no such camera, or it cannot be opened: No such file or directory");

@@ -112,7 +112,8 @@ bool V4l2Camera::set_format(const CameraSettings& settings) {
   pixels.height = asked ? static_cast<unsigned>(settings.height_px) : kHeight_px;
   if (!control(VIDIOC_S_FMT, &format)) return false;
   chosen = known(pixels.pixelformat);  // what the driver made of it
-  if (chosen == nullptr) return false;
+  if (chosen == nullptr || av_image_check_size(pixels.width, pixels.height, 0, nullptr) < 0)
+    return false;
   raw_->format = chosen->pixels;
   raw_->width = static_cast<int>(pixels.width);
   raw_->height = static_cast<int>(pixels.height);
@@ -181,7 +182,8 @@ bool V4l2Camera::convert(std::span<const std::uint8_t> bytes, cv::Mat& bgr) {
   if (av_image_fill_linesizes(raw_->linesize, format, raw_->width) < 0) return false;
   const int narrow = raw_->linesize[0];
   for (int& stride : raw_->linesize)
-    if (stride_bytes_ > narrow) stride = stride * stride_bytes_ / narrow;
+    if (stride_bytes_ > narrow)
+      stride = static_cast<int>(std::int64_t{stride} * stride_bytes_ / narrow);
   const int needed = av_image_fill_pointers(
       raw_->data, format, raw_->height, const_cast<std::uint8_t*>(bytes.data()), raw_->linesize);
   return needed >= 0 && needed <= std::ssize(bytes) &&
