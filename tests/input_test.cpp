@@ -66,6 +66,10 @@ TEST_F(IoTest, PhotographsThatAreTooLargeAreReduced) {
   EXPECT_EQ(fault_of([&] { open_input(path("wide.png")); }),
             path("wide.png") +
                 ": 2500x65 pixels with its sides divided by 2: 160x120 to 4096x2160 are taken");
+  cv::imwrite(path("line.png"), quarters(20000, 2));
+  EXPECT_EQ(fault_of([&] { open_input(path("line.png")); }),
+            path("line.png") +
+                ": 10000x1 pixels with its sides divided by 2: 160x120 to 4096x2160 are taken");
 }
 
 TEST_F(IoTest, PictureThatBreaksOffIsNone) {

@@ -63,7 +63,7 @@ int reduction(const cv::Mat& picture) {
   constexpr int kLonger_px = 4096, kShorter_px = 2160;
   const auto [shorter, longer] = std::minmax({picture.cols, picture.rows});
   int by = 1;
-  while (longer / by > kLonger_px || shorter / by > kShorter_px) ++by;
+  while ((longer / by > kLonger_px || shorter / by > kShorter_px) && by < shorter) ++by;
   return by;
 }
 

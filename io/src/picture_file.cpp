@@ -64,6 +64,7 @@ bool is_jpeg_in_tiff(std::span<const std::uint8_t> bytes) {
 
 // EXIF counts the eight ways in which a picture may lie.
 void set_upright(cv::Mat& picture, int orientation) {
+  if (orientation < 1 || orientation > 8) return;
   const auto is_one_of = [&](std::string_view numbers) {
     return numbers.find(static_cast<char>(orientation + '0')) != numbers.npos;
   };
@@ -86,6 +87,10 @@ bool is_jpeg_cut_short(std::string_view file) {
 }
 
 std::vector<std::uint8_t> read_bytes(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    throw Error(path, "is not a file");  // a pipe would be waited for
   errno = 0;
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   const std::streamoff size = file ? std::streamoff(file.tellg()) : -1;
