@@ -65,12 +65,15 @@ AVFrame& Encoder::picture() {
 void Encoder::encode(const AVFrame* picture) {
   if (avcodec_send_frame(codec_.get(), picture) < 0)
     throw Error(file_.target(), "cannot be encoded");
-  while (avcodec_receive_packet(codec_.get(), packet_.get()) >= 0) {
+  int received = 0;
+  while ((received = avcodec_receive_packet(codec_.get(), packet_.get())) >= 0) {
     av_packet_rescale_ts(packet_.get(), codec_->time_base, format_->streams[0]->time_base);
     const int written = av_write_frame(format_.get(), packet_.get());
     av_packet_unref(packet_.get());
     require_written(written);
   }
+  if (received != AVERROR(EAGAIN) && received != AVERROR_EOF)
+    throw Error(file_.target(), "cannot be encoded");
 }
 
 void Encoder::write(std::int64_t time) {
