@@ -3,6 +3,8 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
@@ -46,6 +48,29 @@ inline std::string replaced(std::string text, const std::string& what, const std
   EXPECT_NE(at, std::string::npos) << what;
   return at == std::string::npos ? text : text.replace(at, what.size(), by);
 }
+
+// Memory behind which there is none: who reads on there is killed.
+class Guarded {
+ public:
+  explicit Guarded(std::size_t bytes) {
+    const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    const std::size_t before = (bytes + page - 1) / page * page;
+    size_ = before + page;
+    begin_ = static_cast<std::uint8_t*>(
+        ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    ::mprotect(begin_ + before, page, PROT_NONE);
+    data_ = begin_ + before - bytes;
+  }
+  ~Guarded() { ::munmap(begin_, size_); }
+  Guarded(const Guarded&) = delete;
+  Guarded& operator=(const Guarded&) = delete;
+
+  std::uint8_t* data() const { return data_; }
+
+ private:
+  std::uint8_t *begin_, *data_;
+  std::size_t size_;
+};
 
 // Red, green, blue and white quarters, so that every turn of the picture shows.
 inline cv::Mat quarters(int width, int height) {

@@ -35,6 +35,7 @@ class FakeDriver : public DriverCalls {
   std::vector<std::uint32_t> formats = {V4L2_PIX_FMT_YUYV};
   unsigned width_px = kWidth_px;
   unsigned padding_bytes = 0;  ///< behind every row
+  std::size_t buffer_bytes = 600'000;
   bool is_camera = true, busy = false;
   std::deque<Shot> shots;  ///< what it sees; then it is unplugged
   bool stalls = false;     ///< instead of that, nothing comes any more
@@ -88,10 +89,11 @@ class FakeDriver : public DriverCalls {
             static_cast<v4l2_control*>(argument)->value;
         return 0;
       case VIDIOC_REQBUFS:
-        buffers_.assign(static_cast<v4l2_requestbuffers*>(argument)->count = 3, Bytes(600'000));
+        static_cast<v4l2_requestbuffers*>(argument)->count = 3;
+        for (int i = 0; i < 3; ++i) buffers_.emplace_back(buffer_bytes);
         return 0;
       case VIDIOC_QUERYBUF:
-        static_cast<v4l2_buffer*>(argument)->length = 600'000;
+        static_cast<v4l2_buffer*>(argument)->length = static_cast<unsigned>(buffer_bytes);
         static_cast<v4l2_buffer*>(argument)->m.offset =
             static_cast<v4l2_buffer*>(argument)->index * kPage;
         return 0;
@@ -147,7 +149,7 @@ class FakeDriver : public DriverCalls {
     shots.pop_front();
     buffer.index = queue_.front();
     queue_.pop_front();
-    std::copy(shot.bytes.begin(), shot.bytes.end(), buffers_[buffer.index].begin());
+    std::copy(shot.bytes.begin(), shot.bytes.end(), buffers_[buffer.index].data());
     buffer.bytesused = static_cast<std::uint32_t>(shot.bytes.size());
     const auto us = static_cast<long>(std::llround(shot.taken_s * 1e6));
     buffer.timestamp = {us / 1'000'000, us % 1'000'000};
@@ -155,7 +157,7 @@ class FakeDriver : public DriverCalls {
     return 0;
   }
 
-  std::vector<Bytes> buffers_;
+  std::deque<Guarded> buffers_;
   std::deque<std::uint32_t> queue_;
 };
 
@@ -237,6 +239,7 @@ TEST(LiveSourceTest, RawPixelsAreReadWithTheirTimes) {
       FakeDriver driver;
       driver.formats = {V4L2_PIX_FMT_GREY, fourcc};
       driver.padding_bytes = padding_bytes;
+      driver.buffer_bytes = raw(fourcc, padding_bytes).size();
       for (const double taken_s : {kStart_s, kStart_s + 0.04})
         driver.shots.push_back({raw(fourcc, padding_bytes), taken_s});
       V4l2Camera camera(kDevice, {}, driver);

@@ -193,6 +193,17 @@ TEST_F(IoTest, PicturesAreWrittenForOthersToRead) {
   }
 }
 
+TEST_F(IoTest, NothingIsReadBehindAPicture) {
+  for (int width = 160; width < 192; ++width)
+    for (const int channels : {1, 3}) {
+      const std::size_t bytes = 121u * static_cast<std::size_t>(width * channels);
+      const Guarded memory(bytes);
+      const cv::Mat picture(121, width, CV_8UC(channels), memory.data());
+      for (const char* extension : {".png", ".jpg"})
+        EXPECT_GT(encode_picture(picture, extension, "p").size(), 100u) << width;
+    }
+}
+
 TEST_F(IoTest, WhatCannotBeWrittenAsAPictureIsRefused) {
   const auto fault = [&](const char* name, const cv::Mat& picture) {
     return fault_of([&] { write_picture(path(name), picture); });

@@ -2,10 +2,22 @@
 #include "pixels.hpp"
 
 extern "C" {
+#include <libavutil/imgutils.h>
 #include <libavutil/pixdesc.h>
 }
 
 namespace handyar::io {
+
+bool make_room(AVFrame& picture, AVPixelFormat format, int width_px, int height_px) {
+  if (picture.data[0] != nullptr && picture.format == format && picture.width == width_px &&
+      picture.height == height_px)
+    return true;
+  av_frame_unref(&picture);
+  picture.format = format;
+  picture.width = width_px;
+  picture.height = height_px;
+  return av_frame_get_buffer(&picture, 0) >= 0;
+}
 
 bool PixelConverter::prepare(int width_px, int height_px, AVPixelFormat from, AVPixelFormat to) {
   constexpr int kExact = SWS_BILINEAR | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
@@ -47,10 +59,14 @@ bool PixelConverter::fill(const AVFrame& from, AVPixelFormat format, int depth, 
 }
 
 bool PixelConverter::to_frame(const cv::Mat& from, AVPixelFormat format, AVFrame& to) {
-  if (!prepare(to.width, to.height, format, static_cast<AVPixelFormat>(to.format))) return false;
-  const std::uint8_t* const data[] = {from.data, nullptr, nullptr, nullptr};
+  if (!prepare(to.width, to.height, format, static_cast<AVPixelFormat>(to.format)) ||
+      !make_room(*padded_, format, to.width, to.height))
+    return false;
+  const std::uint8_t* data[] = {from.data, nullptr, nullptr, nullptr};
   const int strides[] = {static_cast<int>(from.step[0]), 0, 0, 0};
-  return sws_scale(scaler_.get(), data, strides, 0, to.height, to.data, to.linesize) == to.height;
+  av_image_copy(padded_->data, padded_->linesize, data, strides, format, to.width, to.height);
+  return sws_scale(scaler_.get(), padded_->data, padded_->linesize, 0, to.height, to.data,
+                   to.linesize) == to.height;
 }
 
 }  // namespace handyar::io

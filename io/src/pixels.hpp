@@ -7,6 +7,10 @@
 
 namespace handyar::io {
 
+/// Gives a picture of these the memory that it needs, unless it has it; false when there is none.
+/// There is more of it behind the last row, where PixelConverter reads on.
+bool make_room(AVFrame& picture, AVPixelFormat format, int width_px, int height_px);
+
 /// From the pixels that libavcodec gives to those of a cv::Mat, and back.
 class PixelConverter {
  public:
@@ -17,7 +21,7 @@ class PixelConverter {
   explicit PixelConverter(Care care) : care_(care) {}
 
   /// Fills `to` with the pixels of `from` as `format`: BGR24, RGBA or GRAY8. False when that is
-  /// impossible.
+  /// impossible. `from` has its memory from make_room() or libavcodec.
   bool to_mat(const AVFrame& from, AVPixelFormat format, cv::Mat& to);
 
   /// Fills `to`, whose buffers are there, with the pixels of `from`, which are of `format`.
@@ -30,6 +34,7 @@ class PixelConverter {
   Care care_;
   Libav<SwsContext> scaler_;
   cv::Mat wide_;
+  Libav<AVFrame> padded_{av_frame_alloc()};
 };
 
 }  // namespace handyar::io

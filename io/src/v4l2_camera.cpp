@@ -114,12 +114,13 @@ bool V4l2Camera::set_format(const CameraSettings& settings) {
   chosen = known(pixels.pixelformat);  // what the driver made of it
   if (chosen == nullptr || av_image_check_size(pixels.width, pixels.height, 0, nullptr) < 0)
     return false;
-  raw_->format = chosen->pixels;
-  raw_->width = static_cast<int>(pixels.width);
-  raw_->height = static_cast<int>(pixels.height);
   stride_bytes_ = static_cast<int>(pixels.bytesperline);
-  if (chosen->pixels == AV_PIX_FMT_NONE) decoder_.emplace(AV_CODEC_ID_MJPEG);
-  return true;
+  if (chosen->pixels == AV_PIX_FMT_NONE) {
+    decoder_.emplace(AV_CODEC_ID_MJPEG);
+    return true;
+  }
+  return make_room(*raw_, chosen->pixels, static_cast<int>(pixels.width),
+                   static_cast<int>(pixels.height));
 }
 
 void V4l2Camera::set_rate(double fps) {
@@ -179,15 +180,19 @@ bool V4l2Camera::convert(std::span<const std::uint8_t> bytes, cv::Mat& bgr) {
   }
   // Where each plane begins: a driver's rows may be longer than the picture's.
   const auto format = static_cast<AVPixelFormat>(raw_->format);
-  if (av_image_fill_linesizes(raw_->linesize, format, raw_->width) < 0) return false;
-  const int narrow = raw_->linesize[0];
-  for (int& stride : raw_->linesize)
+  std::uint8_t* planes[4];
+  int strides[4];
+  if (av_image_fill_linesizes(strides, format, raw_->width) < 0) return false;
+  const int narrow = strides[0];
+  for (int& stride : strides)
     if (stride_bytes_ > narrow)
       stride = static_cast<int>(std::int64_t{stride} * stride_bytes_ / narrow);
-  const int needed = av_image_fill_pointers(
-      raw_->data, format, raw_->height, const_cast<std::uint8_t*>(bytes.data()), raw_->linesize);
-  return needed >= 0 && needed <= std::ssize(bytes) &&
-         converter_.to_mat(*raw_, AV_PIX_FMT_BGR24, bgr);
+  const int needed = av_image_fill_pointers(planes, format, raw_->height,
+                                            const_cast<std::uint8_t*>(bytes.data()), strides);
+  if (needed < 0 || needed > std::ssize(bytes)) return false;
+  av_image_copy(raw_->data, raw_->linesize, const_cast<const std::uint8_t**>(planes), strides,
+                format, raw_->width, raw_->height);
+  return converter_.to_mat(*raw_, AV_PIX_FMT_BGR24, bgr);
 }
 
 void V4l2Camera::lock() {

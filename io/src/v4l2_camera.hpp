@@ -49,7 +49,7 @@ class V4l2Camera {
   int device_ = -1;
   std::vector<Buffer> buffers_;
   double fps_ = 0;
-  Libav<AVFrame> raw_{av_frame_alloc()};  ///< of what the driver gives: its format and size
+  Libav<AVFrame> raw_{av_frame_alloc()};  ///< what the driver gave
   int stride_bytes_ = 0;
   std::optional<StillDecoder> decoder_;  ///< of JPEGs; none: the pixels are raw
   PixelConverter converter_{PixelConverter::Care::fast};
