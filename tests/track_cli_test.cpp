@@ -93,6 +93,14 @@ TEST_F(CliTest, VideoThatBreaksOffKeepsItsRows) {
       << r.err;
 }
 
+TEST_F(CliTest, FileThatMayGrowNoMoreIsAFault) {
+  const Outcome r = run("track " + kVideo + " --video " + out("v.mp4"),
+                        "sh -c 'ulimit -f 8; exec \"$0\" \"$@\"'");
+  EXPECT_EQ(r.code, 1);
+  EXPECT_NE(r.err.find("v.mp4: cannot be written: File too large\n"), std::string::npos) << r.err;
+  EXPECT_EQ(left(), (std::set<std::string>{}));
+}
+
 TEST_F(CliTest, InterruptFinishesTheFiles) {
   const pid_t child = ::fork();
   if (child == 0) {

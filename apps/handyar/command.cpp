@@ -92,7 +92,8 @@ void catch_interrupts() {
     ::sigaction(signal, &noted, &before);
     if (before.sa_handler == SIG_IGN) ::sigaction(signal, &before, nullptr);  // nohup
   }
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is then a fault of writing
+  // A reader that went away, or a file that may grow no more, is then a fault of writing.
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
 }
 
 int interrupt() noexcept { return caught_signal; }
