@@ -60,7 +60,7 @@ if(TARGET handyar_markers)
   handyar_package(markers handyar-markers graphics
     "This package lets the command line find printed markers, for its commands inspect\nand evaluate.")
   set(CPACK_DEBIAN_MARKERS_PACKAGE_DEPENDS "handyar (= ${PROJECT_VERSION})")
-  set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS handyar-markers)
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "handyar-markers, gnuplot-nox")  # a report's figures
 endif()
 
 if(TARGET python__core)
@@ -68,5 +68,6 @@ if(TARGET python__core)
   handyar_package(python python3-handyar python "This package has the module for Python 3.")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "handyar (= ${PROJECT_VERSION}), python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-opencv, python3-matplotlib")  # of its examples
 endif()
 include(CPack)
