@@ -187,7 +187,7 @@ TEST(Tracker, APoseThatIsReadAnewIsDoubtfulAtFirst) {
 }
 
 TEST(Tracker, AFrameThatDipsALittleLeavesThePoseSoundAndOneThatShowsNothingDoesNot) {
-  for (const double noise : {24.0, 60.0}) {
+  for (const double noise : {28.0, 60.0}) {
     Film film;
     ASSERT_LT(film.until(State::tracking, 1), 1);
     for (int i = 0; i < 15; ++i) film.next();

@@ -32,10 +32,8 @@ std::size_t first_iteration(int coarsest) {
 }
 // Neighbouring lines see the same light, the same wrong figure: so much of one's say is its own.
 constexpr double kLineWeight = 0.15;
-// Lines nearer than this see the same pixels.
-constexpr float kLeastSpacing_px = 3;
-// Colours are learned this far from the outline at most, inside and outside.
-constexpr double kLearnInside_m = 0.0075, kLearnOutside_m = 0.0135;
+// The hand's colours are learned this far from its outline at most.
+constexpr double kLearnInside_m = 0.0075;
 
 /// Adds weight * J^T J.
 HANDYAR_VECTORISED void add_square(const double* J, double weight, double* H) noexcept {
@@ -112,7 +110,7 @@ struct Aligner::Impl {
   int outline_count = 0;
 
   float spacing_px(const Silhouette& silhouette) const noexcept {
-    return std::max(static_cast<float>(silhouette.to_px(config.spacing_m)), kLeastSpacing_px);
+    return static_cast<float>(silhouette.to_px(config.spacing_m));
   }
 
   /// One step of Gauss-Newton; returns false when too little is seen.
@@ -254,14 +252,12 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
     const int finger = finger_of(anchor.a);
     if (colors_count && line.inside_frame() && line.find(impl_->colors, finger, true).log_ratio < 0)
       continue;
-    const float in = std::min(anchor.inside_px,
-                              static_cast<float>(silhouette.to_px(kLearnInside_m))),
-                out = std::min(anchor.outside_px,
-                               static_cast<float>(silhouette.to_px(kLearnOutside_m)));
+    const float in =
+        std::min(anchor.inside_px, static_cast<float>(silhouette.to_px(kLearnInside_m)));
     for (float r = margin; r < in; r += step)
       if (const auto p = line.pixel(-r))
         impl_->colors.add(finger, reader.bin(p->x(), p->y()), true);
-    for (float r = margin; r < out; r += step)
+    for (float r = margin; r < anchor.outside_px; r += step)
       if (const auto p = line.pixel(r))
         impl_->colors.add(finger, reader.bin(p->x(), p->y()), false);
   }

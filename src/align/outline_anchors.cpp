@@ -12,8 +12,8 @@ namespace {
 
 // Less than this beside a place on the outline, and what lies there cannot be told.
 constexpr double kLeast_m = 0.0024;
-// Free ground farther than this from the outline is not asked for.
-constexpr double kReach_m = 0.016;
+// Farther than this from the outline nothing is asked for, nor are colours learned.
+constexpr double kReach_m = 0.0135;
 /// Spheres whose own roundness shows: fingertips, webs, the heel.
 constexpr std::array<std::uint8_t, 10> kRound{3, 7, 11, 15, 19, 20, 21, 22, 23, kHeel};
 

@@ -41,7 +41,7 @@ constexpr std::array<Posture, 3> kFingers = {
     {{}, {{-0.74, 0, 0, 0, 0}, {0.65, 1.35, 1.35, 1.35, 1.35}}, {{-0.75}, {0.95}}}};
 // They and the palm are held so much more firmly than an open hand's (standard deviations): less of
 // a folded hand's outline is seen, and what is seen does not fit as well.
-constexpr double kFirmer = 5;
+constexpr double kFirmer = 8;
 
 constexpr int kThumb = 0;
 
@@ -149,7 +149,7 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   if (tracked && tracked->alignment.log_ratio > config.belief.seen())
     outstretched = std::max(outstretched, tracked->alignment.log_ratio);
   // Better by as much as tells a hand from none; a four need only explain the picture better.
-  if (ratio(Gesture::fist) > outstretched + config.belief.seen() &&
+  if (ratio(Gesture::fist) > std::max(0.0, outstretched + config.belief.seen()) &&
       is_fist(shares(laid(Gesture::fist).state, frame, camera, aligner)))
     return Gesture::fist;
   if (ratio(Gesture::four) > std::max(config.belief.seen(), outstretched) &&

@@ -18,10 +18,6 @@ constexpr std::array<Steps, 2> kRoughly{{{4, 3}, {3, 2}}}, kFinely{{{2, 1}, {1, 
 // Whether a hand is small or its fingers are close together is told badly, and a figure that has
 // settled in a wrong size stays in it: it begins with its fingers apart and almost side by side.
 constexpr std::array<double, 2> kClosed{0, 0.7};
-// Two planar solutions that end this near to each other are one.
-constexpr double kSame_rad = 0.1;
-// What was given up is thought of again this often.
-constexpr double kReconsider_s = 1.0;
 
 /// What a frame says counts by the time it stands for.
 double share_of(double dt_s, const TrackerConfig& config) {
@@ -65,7 +61,7 @@ void Hypotheses::resume(const Hypothesis& hypothesis) noexcept {
   items_[0].liveliness = 1;
 }
 
-void Hypotheses::keep_distinct(const Hypothesis& h) noexcept {
+void Hypotheses::keep_distinct(const Hypothesis& h, const BeliefConfig& belief) noexcept {
   if (!h.alignment.valid) return;
   const auto least = [](const Hypothesis& a, const Hypothesis& b) {
     return a.log_weight < b.log_weight;
@@ -73,7 +69,7 @@ void Hypotheses::keep_distinct(const Hypothesis& h) noexcept {
   Hypothesis* const end = items_.data() + count_;
   Hypothesis* rival = std::find_if(items_.data(), end, [&](const Hypothesis& other) {
     const HandVector apart = h.alignment.state.difference(other.alignment.state);
-    return other.appearance.face == h.appearance.face && apart.head<3>().norm() < kSame_rad;
+    return other.appearance.face == h.appearance.face && apart.head<3>().norm() < belief.doubt_rad;
   });
   if (rival == end && count_ < kMost) {
     items_[count_++] = h;
@@ -88,7 +84,7 @@ void Hypotheses::keep_distinct(const Hypothesis& h) noexcept {
 void Hypotheses::keep_likely(const BeliefConfig& belief) noexcept {
   const Hypotheses all = *this;
   count_ = 0;
-  for (const Hypothesis& h : std::span(all.items_.data(), all.count_)) keep_distinct(h);
+  for (const Hypothesis& h : std::span(all.items_.data(), all.count_)) keep_distinct(h, belief);
   sort_and_prune(belief);
 }
 
@@ -153,7 +149,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       HandPrior prior = beginning.prior_at(state.T_camera_hand);
       prior.fingers = fingers;
       beginning.settle(h, prior, kRoughly);
-      rough.keep_distinct(h);
+      rough.keep_distinct(h, config.belief);
     }
     rough.sort_and_prune(config.belief);
     // From here on the picture alone tells whether there is a hand: held by a thumb that the finder
@@ -162,11 +158,11 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       h.leads = false;
       const HandPrior prior = beginning.prior_at(h.alignment.state.T_camera_hand);
       beginning.settle(h, prior, kFinely);
-      keep_distinct(h);
+      keep_distinct(h, config.belief);
       if (!h.alignment.valid) continue;
       h.alignment.state.T_camera_hand = other_planar_solution(h.alignment.state.T_camera_hand);
       beginning.align(h, prior, kFarSteps);
-      keep_distinct(h);
+      keep_distinct(h, config.belief);
     }
   }
   expect(&candidate, camera, 1, config.belief);
@@ -266,7 +262,7 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
 void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, double dt_s,
                             const TrackerConfig& config, Aligner& aligner) noexcept {
   since_reconsidered_s_ += dt_s;
-  if (since_reconsidered_s_ <= kReconsider_s) return;
+  if (since_reconsidered_s_ <= config.learning.remember_s) return;
   since_reconsidered_s_ = 0;
   if (count_ != 1) return;
   const Hypothesis& now = items_[0];
@@ -284,7 +280,7 @@ void Hypotheses::reconsider(const ImageView& frame, const Camera& camera, double
       aligner.align(frame, camera, appearance, start,
                     prior_around(start, now.person, kLongAgo_s, config, now.liveliness), kFarSteps);
   alternative.log_weight = now.log_weight - config.belief.most_frame();
-  keep_distinct(alternative);
+  keep_distinct(alternative, config.belief);
 }
 
 }  // namespace handyar

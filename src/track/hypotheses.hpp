@@ -83,7 +83,7 @@ class Hypotheses {
   void keep_likely(const BeliefConfig& belief) noexcept;
   /// Adds a way to see the hand, in the place of one that is nearly the same or of the least likely
   /// one where there is no room, unless these are likelier.
-  void keep_distinct(const Hypothesis& hypothesis) noexcept;
+  void keep_distinct(const Hypothesis& hypothesis, const BeliefConfig& belief) noexcept;
   /// The one that leads first, unless another is likelier by as much as a hand is believed with,
   /// then the likeliest; what is less likely than the first by `most` nats is given up.
   void sort_and_prune(const BeliefConfig& belief) noexcept;

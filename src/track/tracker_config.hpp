@@ -26,8 +26,9 @@ struct BeliefConfig {
   /// figure that says less is not seen to lie on the hand: those that have strayed have a log ratio
   /// of about 4 and less (real clips).
   double doubt = -1.0;
-  double doubt_rad =
-      0.2;  ///< a pose whose orientation is less sure (standard deviation) is doubtful
+  /// A pose whose orientation is less sure (standard deviation) is doubtful, and two ways to see a
+  /// hand that are nearer to each other are one.
+  double doubt_rad = 0.2;
 
   double give_up() const { return -believe; }
   /// No frame says more, either way.
@@ -52,7 +53,9 @@ struct LearningConfig {
   /// Of the time that a hand has been seen counts as one independent view of its figure, same_s at
   /// least. Views come back, and the figure's errors with them.
   double view_share = 0.2;
-  double texture_s = 1.0;  ///< the look of the palm's skin fades this fast
+  /// So long a hand is remembered: the look of its skin fades this fast, one that is lost may come
+  /// back, and another way to see it is thought of this often.
+  double remember_s = 1.0;
 };
 
 /// All settings of the tracker, a struct per stage, after what the user asked for.

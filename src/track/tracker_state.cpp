@@ -16,14 +16,13 @@ constexpr double kNoisePart = 0.05;
 
 // The hand frame's origin hangs on how a person holds middle finger and thumb at rest, which the
 // figure does not tell: where the fingertips were never measured it lies so far from where the
-// average hand has it (standard deviations along x and y).
-constexpr double kOriginX_m = 0.005, kOriginY_m = 0.006;
+// average hand has it (standard deviation in the hand plane).
+constexpr double kOrigin_m = 0.0055;
 
 /// What the origin of a hand that was never measured adds to the covariance of its translation.
 Eigen::Matrix3d origin_covariance(const Eigen::Isometry3d& T_camera_hand) {
-  const Eigen::Matrix<double, 3, 2> origin =
-      T_camera_hand.linear().leftCols<2>() * Eigen::Vector2d(kOriginX_m, kOriginY_m).asDiagonal();
-  return origin * origin.transpose();
+  const Eigen::Matrix<double, 3, 2> origin_m = kOrigin_m * T_camera_hand.linear().leftCols<2>();
+  return origin_m * origin_m.transpose();
 }
 
 }  // namespace
@@ -131,8 +130,8 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
   if (!has_hand() || seen.belief < limits.give_up()) {
     seen.hypotheses.clear();
     seen.belief = seen.lately = 0;
-    constexpr double kRemember_s = 3.0;
-    seen.state = was && seen.time_s - seen.tracked_s < kRemember_s ? State::lost : State::searching;
+    const bool remembered = seen.time_s - seen.tracked_s < config.learning.remember_s;
+    seen.state = was && remembered ? State::lost : State::searching;
   } else if (seen.belief > limits.believe || seen.state == State::tracking) {
     seen.state = State::tracking;
     seen.tracked_s = seen.time_s;
@@ -181,7 +180,7 @@ void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
     const double views =
         stands_for_s / std::max(config.belief.same_s, config.learning.view_share * seen.learned_s);
     aligner.learn_texture(frame, camera, best.appearance, best.alignment,
-                          std::min(dt_s / config.learning.texture_s, 1.0), views);
+                          std::min(dt_s / config.learning.remember_s, 1.0), views);
     seen.hypotheses.learn_person(views, config);
     seen.person = best.person;
   }
