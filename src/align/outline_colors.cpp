@@ -11,8 +11,8 @@ namespace {
 // A part's own colours count more than those of the whole hand, and a colour seen on neither side
 // tells nothing (unchanged since the first trial of the figure).
 constexpr float kOwn = 0.6f;
-// What no sample says: any colour may come on either side.
-constexpr float kUnseen = 1.0f / kBinCount;
+// The share of samples that says that a colour might come on either side.
+constexpr float kUnseen = 2e-4f;
 // Samples lie on their bin and its six neighbours alike, so that colours a little off are known.
 constexpr float kShare = 1.0f / 7;
 // No division by the samples of what was not seen yet.
