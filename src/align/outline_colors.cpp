@@ -13,8 +13,8 @@ namespace {
 constexpr float kOwn = 0.6f;
 // The share of samples that says that a colour might come on either side.
 constexpr float kUnseen = 2e-4f;
-// Samples lie on their bin and its six neighbours alike, so that colours a little off are known.
-constexpr float kShare = 1.0f / 7;
+// Samples lie on their bin and its neighbours, so that colours a little off are known.
+constexpr float kCentre = 0.4f, kNeighbour = (1 - kCentre) / 6;
 // No division by the samples of what was not seen yet.
 constexpr float kTiny = 1e-20f;
 // Of what is forgotten so much stays. With a hundredth of that the clips and hands that come back
@@ -55,12 +55,12 @@ void OutlineColors::add(int part, ColorBin bin, bool hand) noexcept {
       counts.tables[kTogether].background += share;
     }
   };
-  put(bin, kShare * weight_);
+  put(bin, kCentre * weight_);
   for (int shift = 0; shift <= kLumaShift; shift += 5) {
     const int level = bin >> shift & (kBinLevels - 1);
     const int top = (shift == kLumaShift ? kLumaLevels : kBinLevels) - 1;
-    put(level > 0 ? bin - (1 << shift) : bin, kShare * weight_);
-    put(level < top ? bin + (1 << shift) : bin, kShare * weight_);
+    put(level > 0 ? bin - (1 << shift) : bin, kNeighbour * weight_);
+    put(level < top ? bin + (1 << shift) : bin, kNeighbour * weight_);
   }
   for (const int table : {part, kTogether})
     (hand ? totals_[table].hand : totals_[table].background) += weight_;

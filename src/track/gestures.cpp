@@ -56,13 +56,16 @@ constexpr double kWhile_s = 0.3;
 // open frames right, at no least).
 constexpr double kLeastUsual = 18;
 
+/// Nearly all of it is there: a hand that turns its edge leaves a part of its palm.
+bool is_whole(const std::optional<double>& share) { return share && *share > 1 - kThere; }
+
 /// How many of the fingers but the thumb are gone.
 int gone_fingers(const PartShares& shares) {
   return static_cast<int>(
       std::count_if(shares.begin() + 1, shares.begin() + kFingerCount, is_gone));
 }
 bool is_fist(const PartShares& shares) {
-  return is_there(shares[kFingerCount]) && is_gone(shares[kThumb]) &&
+  return is_whole(shares[kFingerCount]) && is_gone(shares[kThumb]) &&
          gone_fingers(shares) == kFingerCount - 1;
 }
 bool is_folding(const PartShares& shares) {
@@ -148,8 +151,10 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   double outstretched = ratio(Gesture::open);
   if (tracked && tracked->alignment.log_ratio > config.belief.seen())
     outstretched = std::max(outstretched, tracked->alignment.log_ratio);
-  // Better by as much as tells a hand from none; a four need only explain the picture better.
-  if (ratio(Gesture::fist) > std::max(0.0, outstretched + config.belief.seen()) &&
+  // Better by as much as tells a hand from none, and not surely none itself: else fingers that open
+  // again would pull the palm along. A four need only explain the picture better.
+  const double enough = config.belief.seen();
+  if (ratio(Gesture::fist) > std::max(-enough, outstretched + enough) &&
       is_fist(shares(laid(Gesture::fist).state, frame, camera, aligner)))
     return Gesture::fist;
   if (ratio(Gesture::four) > std::max(config.belief.seen(), outstretched) &&
