@@ -157,7 +157,7 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   if (ratio(Gesture::fist) > std::max(-enough, outstretched + enough) &&
       is_fist(shares(laid(Gesture::fist).state, frame, camera, aligner)))
     return Gesture::fist;
-  if (ratio(Gesture::four) > std::max(config.belief.seen(), outstretched) &&
+  if (ratio(Gesture::four) > std::max(enough, outstretched) &&
       is_four(shares(laid(Gesture::four).state, frame, camera, aligner)))
     return Gesture::four;
   return Gesture::open;

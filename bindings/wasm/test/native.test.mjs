@@ -35,7 +35,7 @@ function angle_rad(T, { qw, qx, qy, qz }) {
 const quantile = (list, share) => [...list].sort((a, b) => a - b)[Math.floor(share * (list.length - 1))];
 
 // A hand that leaves is let go of 0.2 s sooner or later, and is no longer `lost` so a second after.
-const known = { calibrated: true, tracked: 200, others: 0.06, near_m: 5e-4, far_m: 5e-3, near_rad: 5e-3 };
+const known = { calibrated: true, tracked: 200, others: 0.04, near_m: 5e-4, far_m: 5e-3, near_rad: 5e-3 };
 const learned = { calibrated: false, tracked: 70, others: 0.06, near_m: 3e-3, far_m: 15e-3, near_rad: 0.03 };
 for (const { clip, calibrated, tracked, others, near_m, far_m, near_rad } of [
   { clip: 'sample', ...known }, { clip: 'select', ...known }, { clip: 'wall', ...learned },
