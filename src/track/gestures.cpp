@@ -45,8 +45,6 @@ constexpr double kFirmer = 8;
 
 constexpr int kThumb = 0;
 
-// An open hand fits while its log ratio is more than this share of what is usual for it.
-constexpr double kFits = 0.8;
 // What is usual, and how the hand moves, is the mean of about this time; for so long it may go on
 // like that with no posture that fits, then it is given up. Fingers on their way pull the figure
 // along within frames: of `gesture` the palm strays by 10 px at most, by 16 where it is held still.
@@ -77,10 +75,10 @@ bool is_four(const PartShares& shares) {
 
 }  // namespace
 
-bool Gestures::fits(const Alignment& open) const noexcept {
+bool Gestures::fits(const Alignment& open, const BeliefConfig& belief) const noexcept {
   const double folded_rad = kFingers[static_cast<int>(Gesture::four)].abduction_rad[kThumb];
   return open.state.posture.abduction_rad[kThumb] > 0.5 * folded_rad &&
-         open.log_ratio > kFits * usual_ratio_;
+         open.log_ratio > usual_ratio_ - belief.seen();
 }
 
 double Gestures::kept(double dt_s) const noexcept {
@@ -180,7 +178,7 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Person
                       Aligner& aligner) noexcept {
   event_.reset();
   watches_ = opened_ = false;
-  if (tracked && fits(tracked->alignment)) {
+  if (tracked && fits(tracked->alignment, config.belief)) {
     open();
     remember(*tracked, dt_s);
     return;
@@ -190,7 +188,7 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Person
   lay(frame, camera, person, dt_s, config, aligner);
   const Gesture posture = choose(tracked, frame, camera, config, aligner);
   if (posture != Gesture::open) return lead(posture, dt_s);
-  if (folded() && fits(laid(Gesture::open))) {
+  if (folded() && fits(laid(Gesture::open), config.belief)) {
     opened_ = true;
     carry(Gesture::open, dt_s);
     return open();

@@ -37,8 +37,9 @@ class Gestures {
   /// The hand that is held, or has just been opened.
   const Hypothesis& hand() const noexcept { return hand_; }
 
-  /// True of an open hand that explains the picture about as well as it did before it folded.
-  bool fits(const Alignment& open) const noexcept;
+  /// True of an open hand that explains the picture about as well as it did before it folded: it
+  /// lacks less than what tells a hand from none.
+  bool fits(const Alignment& open, const BeliefConfig& belief) const noexcept;
 
  private:
   static constexpr int kPostures = 3;

@@ -92,7 +92,9 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     const Alignment& best = fresh.best().alignment;
     // Where an open hand may be folding, only another one is taken that is as good, and none where
     // it is: with colours learned from what lies there a missing thumb looks as good as any.
-    if (seen.gestures.watches() && (seen.gestures.folded() || !seen.gestures.fits(best))) continue;
+    if (seen.gestures.watches() &&
+        (seen.gestures.folded() || !seen.gestures.fits(best, config.belief)))
+      continue;
     const bool whole = is_whole(fresh.best(), frame, scout);
     // Of two readings of one hand the picture decides, of two hands the one that is believed more.
     const bool better = reading == Reading::otherwise

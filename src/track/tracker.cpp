@@ -43,7 +43,7 @@ TrackResult HandTracker::process(const ImageView& frame, double time_s) noexcept
   clock.time(result.times.pose_ms, [&] { t.compare_postures(frame, dt_s); });
   clock.time(result.times.segmentation_ms, [&] { t.look(frame); });
   t.believe(dt_s);
-  if (t.in_view()) clock.time(result.times.filter_ms, [&] { t.filter(result); });
+  if (t.in_view()) clock.time(result.times.filter_ms, [&] { t.filter(dt_s, result); });
   if (t.has_hand()) t.learn(frame, dt_s);
   t.report(result);
   result.times.total_ms = clock.total_ms();

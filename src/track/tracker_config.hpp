@@ -53,8 +53,9 @@ struct LearningConfig {
   /// Of the time that a hand has been seen counts as one independent view of its figure, same_s at
   /// least. Views come back, and the figure's errors with them.
   double view_share = 0.2;
-  /// So long a hand is remembered: the look of its skin fades this fast, one that is lost may come
-  /// back, and another way to see it is thought of this often.
+  /// So long a hand is remembered: the look of its skin fades this fast, what its figure does not
+  /// explain stays, one that is lost may come back, and another way to see it is thought of this
+  /// often.
   double remember_s = 1.0;
 };
 

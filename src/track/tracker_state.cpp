@@ -10,10 +10,6 @@
 namespace handyar {
 namespace {
 
-// The part of the pose's covariance that is new in each frame; the rest comes from what the figure
-// cannot explain and stays while the view does.
-constexpr double kNoisePart = 0.05;
-
 // The hand frame's origin hangs on how a person holds middle finger and thumb at rest, which the
 // figure does not tell: where the fingertips were never measured it lies so far from where the
 // average hand has it (standard deviation in the hand plane).
@@ -144,12 +140,13 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
   }
 }
 
-void HandTracker::Impl::filter(TrackResult& result) noexcept {
+void HandTracker::Impl::filter(double dt_s, TrackResult& result) noexcept {
   const Alignment& best = in_view()->alignment;
   PoseEstimate raw;
   raw.T_camera_hand = best.state.T_camera_hand;
   raw.covariance = pose_information(best.information).llt().solve(Matrix6d::Identity());
-  raw.noise_covariance = kNoisePart * raw.covariance;
+  // Most of its errors come from what the figure cannot explain and stay while the view does.
+  raw.noise_covariance = std::min(dt_s, kLongest_s) / config.learning.remember_s * raw.covariance;
   if (!seen.gestures.holds()) raw.covariance += seen.hypotheses.spread();
   if (hand.source == HandSource::average_adult)
     raw.covariance.bottomRightCorner<3, 3>() += origin_covariance(raw.T_camera_hand);

@@ -57,7 +57,7 @@ struct HandTracker::Impl {
   void compare_postures(const ImageView& frame, double dt_s) noexcept;
   void look(const ImageView& frame) noexcept;
   void believe(double dt_s) noexcept;
-  void filter(TrackResult& result) noexcept;
+  void filter(double dt_s, TrackResult& result) noexcept;
   void learn(const ImageView& frame, double dt_s) noexcept;
   void report(TrackResult& result) noexcept;
   HandMask draw_mask() noexcept;
