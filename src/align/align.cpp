@@ -15,10 +15,9 @@
 namespace handyar {
 namespace {
 
-// Lengths of a line's segments, one iteration each, in steps of kStep_m at the hand: from coarse,
-// which reaches far, to fine, which is exact.
+// Lengths of a line's segments, one iteration each, in finest ones: from coarse, which reaches far,
+// to fine, which is exact.
 constexpr std::array kSegments{4, 3, 2, 2, 1, 1, 1};
-constexpr double kStep_m = 0.00075;
 // What is visible changes little from step to step: it is looked at anew after so many.
 constexpr std::size_t kChosenFor = 4;
 // The palm's texture takes part in so many steps, the last: it reaches no farther than its cells.
@@ -150,7 +149,7 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   if (choose) anchor_count = silhouette.choose(spacing_px(silhouette), anchors);
   const bool fine = kSegments[iteration] == 1;
   const float segment_px =
-      std::max(1.0f, kSegments[iteration] * static_cast<float>(silhouette.to_px(kStep_m)));
+      std::max(1.0f, kSegments[iteration] * static_cast<float>(silhouette.to_px(kFinestSegment_m)));
   HandMatrix H = HandMatrix::Zero();
   HandVector g = HandVector::Zero();
   outline_count = 0;
@@ -242,8 +241,9 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
   const int count = silhouette.choose(impl_->spacing_px(silhouette), impl_->anchors);
   const bool colors_count = keep > 0;
   impl_->colors.fade(keep);
-  const auto step_px = static_cast<float>(silhouette.to_px(kStep_m));
-  const float margin = std::max(1.0f, 2 * coarsest * step_px), step = std::max(1.0f, step_px);
+  const auto step_px = static_cast<float>(silhouette.to_px(kFinestSegment_m));
+  const float margin = std::max(1.0f, kEitherSide * coarsest * step_px),
+              step = std::max(1.0f, step_px);
   for (int i = 0; i < count; ++i) {
     const OutlineAnchor& anchor = impl_->anchors[i];
     OutlinePlace place = silhouette.place(anchor);

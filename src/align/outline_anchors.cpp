@@ -10,8 +10,8 @@
 namespace handyar {
 namespace {
 
-// Less than this beside a place on the outline, and what lies there cannot be told.
-constexpr double kLeast_m = 0.0024;
+// With no more than this beside a place on the outline it cannot be told what lies there.
+constexpr double kLeast_m = kEitherSide * kFinestSegment_m;
 // Farther than this from the outline nothing is asked for, nor are colours learned.
 constexpr double kReach_m = 0.0135;
 /// Spheres whose own roundness shows: fingertips, webs, the heel.

@@ -12,6 +12,11 @@
 
 namespace handyar {
 
+/// The finest segment of a line across the outline, at the hand.
+inline constexpr double kFinestSegment_m = 0.00075;
+/// What is nearer to the outline than so many segments may lie on either side of it.
+inline constexpr int kEitherSide = 2;
+
 /// A place on the outline by what carries it, so that it moves with the figure: on the tangent of
 /// two discs, or, where both are the same, on a disc at a fixed angle.
 struct OutlineAnchor {
