@@ -189,6 +189,8 @@ class Reader {
 
 }  // namespace
 
+float HandCandidate::tip_sigma_px() const noexcept { return kTipSigma * span_px(); }
+
 void HandCandidates::offer(const HandCandidate& hand) noexcept {
   for (int i = 0; i < count_; ++i) {
     HandCandidate& known = items_[i];

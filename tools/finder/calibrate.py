@@ -114,6 +114,13 @@ def is_hand(layout, tips, hands):
     return False
 
 
+def errors_of(layout, tips, hands):
+    """By how much of the span a right reading's fingertips are off: a row for the hand that it is, if any."""
+    for true in hands:
+        if is_hand(layout, tips, [true]):
+            yield (tips - (true + 0.5) / STRIDE + 0.5) / np.linalg.norm(tips[0] - tips[4])
+
+
 def main():
     ap = argparse.ArgumentParser()
     ap.add_argument('network')
@@ -151,9 +158,13 @@ def main():
         p = sigmoid(X @ w)
         print(int(y.sum()), 'of', len(y), 'candidates are hands; log odds', ','.join('%.4f' % v for v in w),
               'log loss %.4f' % -np.mean(np.where(y > 0, np.log(p), np.log(1 - p))), flush=True)
+    errors = np.array([e for found, hands in pictures for x, layout, tips in candidates(found, w) if x @ w > 0 for e in errors_of(layout, tips, hands)])
+    sigma = np.sqrt(np.mean(errors ** 2))
     with open(a.out, 'w') as f:
         f.write('// SPDX-License-Identifier: MIT\n// Made by tools/finder/calibrate.py; do not edit.\n\n'
                 '%s\n'
+                '// Standard deviation of a right and likely reading\'s fingertips, as a share of the span.\n'
+                'constexpr float kTipSigma = %.2gf;\n'
                 '// Fingertips without each of them, and all.\n'
                 'constexpr std::array<Constellation, kFingerCount + 1> kConstellations{{\n%s}};\n'
                 '// The palm by the fingertips.\n'
@@ -161,7 +172,7 @@ def main():
                 '// Log odds of a hand: constant, by the palm\'s log odds, by the sum of the fingertips\',\n'
                 '// by the logarithm of their constellation\'s likelihood, by one being missing.\n'
                 'constexpr std::array<float, 5> kOdds{%s};\n'
-                % (RULES, ''.join(map(as_source, models)), *(', '.join('%.4g' % v for v in t) for t in (PALM_BY_TIPS, w))))
+                % (RULES, sigma, ''.join(map(as_source, models)), *(', '.join('%.4g' % v for v in t) for t in (PALM_BY_TIPS, w))))
 
 
 if __name__ == '__main__':

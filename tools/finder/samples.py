@@ -160,6 +160,34 @@ class Samples:
         M[:, 2] = np.asarray(around) - L @ centre
         return M
 
+    def beside(self, canvas, hand, places, size):
+        """Something long about some of the places, like a finger that is none: a rod, a box, a strip of another picture.
+
+        What comes to lie there is often of the hand's colour, and often partly behind the hand.
+        """
+        r = self.rng
+        for at in places:
+            long, wide, angle = size * r.uniform(0.2, 0.9), size * r.uniform(0.05, 0.2), r.uniform(0, 2 * np.pi)
+            way = np.array([np.cos(angle), np.sin(angle)])
+            a = at + size * r.normal(0, 0.12, 2)
+            ends = np.rint([a, a + long * way]).astype(int)
+            mask = np.zeros((HEIGHT, WIDTH), np.uint8)
+            if r.random() < 0.5:
+                cv2.line(mask, ends[0].tolist(), ends[1].tolist(), 255, max(1, round(wide)))
+            else:
+                off = 0.5 * wide * np.array([-way[1], way[0]])
+                cv2.fillPoly(mask, [np.rint([a - off, a + off, a + long * way + off, a + long * way - off]).astype(int)], 255)
+            what = r.random()
+            if what < 0.3:
+                picture = self.room()
+            else:
+                colour = np.array(cv2.mean(hand[..., :3], hand[..., 3])[:3]) * np.exp(r.normal(0, 0.1, 3) + r.normal(0, 0.25)) if what < 0.75 else r.uniform(0, 255, 3)
+                y, x = np.mgrid[0:HEIGHT, 0:WIDTH]
+                across = ((y - a[1]) * way[0] - (x - a[0]) * way[1]) / max(wide, 1)  # light falls off across it
+                picture = np.clip(colour * (1 + r.normal(0, 0.5) * across - r.uniform(0, 1) * across ** 2)[..., None], 0, 255)
+            alpha = cv2.GaussianBlur(mask, (0, 0), r.uniform(0.3, 1.0)).astype(np.float32)[..., None] / 255
+            canvas += (picture.astype(np.float32) - canvas) * alpha
+
     def lamp(self, canvas, across):
         """Light that falls off from one side to the other, within so many pixels about the middle."""
         angle, fall = self.rng.uniform(0, 2 * np.pi), self.rng.uniform(0, 0.7)
@@ -206,8 +234,12 @@ class Samples:
         canvas, hands = self.background(), []
         if r.random() < 0.28:
             picture = self.hands[self.pick(CLOSED)]
-            c = np.array(picture.shape[1::-1]) / 2
-            self.paste(canvas, picture, self.placing(c, max(picture.shape[:2]), r.uniform([0, 0], [WIDTH, HEIGHT]), 25, 160), 0.5)
+            c, side = np.array(picture.shape[1::-1]) / 2, max(picture.shape[:2])
+            M = self.placing(c, side, r.uniform([0, 0], [WIDTH, HEIGHT]), 25, 160)
+            if r.random() < 0.5:
+                side *= np.sqrt(abs(np.linalg.det(M[:, :2])))
+                self.beside(canvas, picture, M @ [*c, 1] + side * r.normal(0, 0.25, (r.integers(1, 4), 2)), 0.5 * side)
+            self.paste(canvas, picture, M, 0.5)
         kind = r.random()
         if kind < 0.1:
             hands += self.add(canvas, WHOLE, 28, 95)
@@ -235,8 +267,12 @@ class Samples:
         if kind != WHOLE and r.random() < 0.1:  # what is behind blurred by the camera's program, and the hand's edge with it
             soft = r.uniform(0.5, 2)
             canvas[:] = cv2.GaussianBlur(canvas, (0, 0), r.uniform(1.5, 6))
+        placed, palm = self.hand_tips(M, tips), M @ [*palm, 1]
+        if kind != WHOLE and r.random() < 0.35:
+            fingers = r.choice(5, r.integers(1, 4), p=[0.5, 0.1, 0.05, 0.1, 0.25])
+            self.beside(canvas, picture, palm + (placed[fingers] - palm) * r.uniform(0.3, 1.2, (len(fingers), 1)), np.linalg.norm(placed - palm, axis=1).max() * 1.4)
         self.paste(canvas, picture, M, 0.4, soft)
-        return [self.hand_tips(M, tips)]
+        return [placed]
 
     def target(self, hands):
         """Maps as network.py has them, and how much each cell of them counts."""

@@ -39,13 +39,16 @@ struct HandPlace {
   FinderRegion region(float width_px) const noexcept;
 };
 
-/// Where an open hand may be: its fingertips are right to some hundredths of the span.
+/// Where an open hand may be.
 struct HandCandidate : HandPlace {
   Layout layout = Layout::thumb_right;
   float log_odds = 0;                                    ///< of an open hand there against none
   float palm_log_odds = 0;                               ///< of its palm in view against its back
   std::array<Eigen::Vector2f, kFingerCount> roots_px{};  ///< of the fingers, in the hand
   std::array<float, kFingerCount> tip_confidence{};      ///< 0 to 1; 0: by the others alone
+
+  /// Standard deviation of a fingertip along each axis, as it is among training pictures.
+  float tip_sigma_px() const noexcept;
 };
 
 /// Finds open hands by a small convolutional network (tools/finder tells what it was trained on).
