@@ -189,6 +189,13 @@ class Reader {
 
 }  // namespace
 
+bool HandPlace::same_tips(const HandPlace& other) const noexcept {
+  const float near_px = kSameHand * other.reach_px();
+  for (int f = 0; f < kFingerCount; ++f)
+    if ((tips_px[f] - other.tips_px[f]).norm() > near_px) return false;
+  return true;
+}
+
 float HandCandidate::tip_sigma_px() const noexcept { return kTipSigma * span_px(); }
 
 void HandCandidates::offer(const HandCandidate& hand) noexcept {

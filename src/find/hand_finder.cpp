@@ -19,9 +19,6 @@ using Network = FinderNetwork;
 constexpr int kMostReads = 4;
 // The second look takes in so many spans around the hand.
 constexpr float kSecondLook = 2.6f;
-// Fingertips that are nearer than this share of a hand's reach are the same. With 0.35 clips are
-// right in half a point more, and a hand that turns over is shown while far off for six frames.
-constexpr float kSameTips = 0.25f;
 
 }  // namespace
 
@@ -30,13 +27,6 @@ float HandPlace::reach_px() const noexcept {
   for (const Eigen::Vector2f& tip_px : tips_px)
     reach_px = std::max(reach_px, (tip_px - palm_px).norm());
   return reach_px;
-}
-
-bool HandPlace::same_tips(const HandPlace& other) const noexcept {
-  const float near_px = kSameTips * other.reach_px();
-  for (int f = 0; f < kFingerCount; ++f)
-    if ((tips_px[f] - other.tips_px[f]).norm() > near_px) return false;
-  return true;
 }
 
 FinderRegion HandPlace::region(float width_px) const noexcept {

@@ -29,7 +29,8 @@ constexpr float kLeastTip = {LEAST_TIP}f, kNoPalm = {NO_PALM}f;
 constexpr float kFreedom = {FREEDOM}f;
 // Hands of fewer cells from thumb to little finger are none.
 constexpr float kLeastSpan = {LEAST_SPAN}f;
-// Two palms nearer than this share of a span are one hand.
+// Two palms nearer than this share of a span, or fingertips nearer than this share of a reach, are
+// one hand's.
 constexpr float kSameHand = {SAME_HAND}f;
 """
 # Real rooms hold so many times more that is like a hand than these pictures do, and of hands that
