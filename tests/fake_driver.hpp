@@ -45,7 +45,7 @@ class FakeDriver : public DriverCalls {
   std::uint32_t chosen = 0;
   double rate = 0;
   std::map<std::uint32_t, int> controls;
-  int open_devices = 0, mapped = 0;
+  int open_devices = 0, mapped = 0, polls = 0;
 
   int open(const char* path) override {
     errno = ENOENT;
@@ -61,6 +61,7 @@ class FakeDriver : public DriverCalls {
   void unmap(void*, std::size_t) override { --mapped; }
   int poll(int, int timeout_ms) override {
     EXPECT_GT(timeout_ms, 0);
+    ++polls;
     std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
     return shots.empty() && stalls ? 0 : 1;
   }

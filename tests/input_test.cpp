@@ -113,7 +113,7 @@ TEST_F(IoTest, InputsThatAreNoneAreNamed) {
 
 TEST(LatestFrameTest, SlowReaderGetsTheNewestFrame) {
   std::atomic<int> wanted{1}, given{0};
-  LatestFrame latest([&](Frame& frame) {
+  LatestFrame latest([&](Frame& frame, const std::stop_token&) {
     while (given == wanted) std::this_thread::yield();
     if (wanted < 0) return false;
     frame.time_s = ++given;
@@ -135,7 +135,8 @@ TEST(LatestFrameTest, SlowReaderGetsTheNewestFrame) {
 }
 
 TEST(LatestFrameTest, FaultOfTheCameraReachesTheReader) {
-  LatestFrame latest([](Frame&) -> bool { throw Error("/dev/video0", "unplugged"); });
+  LatestFrame latest(
+      [](Frame&, const std::stop_token&) -> bool { throw Error("/dev/video0", "unplugged"); });
   Frame frame;
   EXPECT_EQ(fault_of([&] { latest.read(frame); }), "/dev/video0: unplugged");
 }

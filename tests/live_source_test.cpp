@@ -169,6 +169,25 @@ TEST(LiveSourceTest, CameraThatStopsOrIsUnpluggedIsSaid) {
   }
 }
 
+TEST(LiveSourceTest, WaitForAStalledCameraCanBeEnded) {
+  FakeDriver driver;
+  driver.stalls = true;
+  driver.pause_ms = 20;
+  driver.shots = {{raw(V4L2_PIX_FMT_YUYV, 0)}, {raw(V4L2_PIX_FMT_YUYV, 0), kStart_s + 1}};
+  {
+    const auto source = open_camera(kDevice, {}, driver);
+    int asked = 0;
+    source->ask_while_waiting([&] { return ++asked < 3; });
+    Frame frame;
+    EXPECT_TRUE(source->read(frame));
+    EXPECT_FALSE(source->read(frame));
+    EXPECT_EQ(asked, 3);
+  }
+  EXPECT_LT(driver.polls, 90);  // it would be given up after a hundred
+  EXPECT_EQ(driver.open_devices, 0);
+  EXPECT_EQ(driver.mapped, 0);
+}
+
 TEST(LiveSourceTest, WhatIsNoCameraIsSaid) {
   const auto fault = [](auto change) {
     FakeDriver driver;

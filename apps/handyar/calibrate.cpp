@@ -56,6 +56,7 @@ void watch(io::FrameSource& source, const Camera& camera, Take take) {
   HandTracker tracker(camera, average_adult_hand());
   io::Frame frame;
   catch_interrupts();
+  source.ask_while_waiting([] { return interrupt() == 0; });
   while (interrupt() == 0 && source.read(frame)) {
     const TrackResult result = tracker.process(frame.view(), frame.time_s);
     if (result.status != FrameStatus::ok)

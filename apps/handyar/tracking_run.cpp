@@ -209,6 +209,11 @@ class Pictures {
     return true;
   }
 
+  // The last picture once more, while there is no new one; false when the person has ended it.
+  bool show_again() {
+    return !outputs_.viewer || picture_.empty() || outputs_.viewer->show(picture_, 0);
+  }
+
  private:
   const TrackingRun& run_;
   Outputs& outputs_;
@@ -258,6 +263,10 @@ void track_all(const TrackingRun& run, io::FrameSource& source, const Camera& ca
     if (!outputs.viewer || source.info().live) return 0.0;
     return start_s + outputs.viewer->paused_s() + frame.time_s - steady_now_s();
   };
+  source.ask_while_waiting([&] {
+    summary.ended_early |= !pictures.show_again();
+    return interrupt() == 0 && !summary.ended_early;
+  });
   while (interrupt() == 0 && source.read(frame)) {
     process(hands, frame, source.info().name);
     count(hands, frame.index, summary);

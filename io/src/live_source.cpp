@@ -47,19 +47,24 @@ class LiveSource final : public FrameSource {
     const double fps = camera_.fps();
     if (std::isfinite(fps) && fps >= 1 && fps <= 1000) info_.fps = fps;
     Frame first;
-    if (!grab(first)) throw Error(device, "the camera gives no pictures");
+    if (!grab(first, {})) throw Error(device, "the camera gives no pictures");
     require_usable(first, device);
     info_.width_px = first.bgr.cols;
     info_.height_px = first.bgr.rows;
     require_asked_size();
-    latest_ = std::make_unique<LatestFrame>([this](Frame& frame) { return grab(frame); });
+    latest_ = std::make_unique<LatestFrame>(
+        [this](Frame& frame, const std::stop_token& stop) { return grab(frame, stop); });
   }
-  ~LiveSource() override { latest_.reset(); }  // its thread uses the camera
 
   const SourceInfo& info() const noexcept override { return info_; }
 
   bool read(Frame& frame) override {
-    if (!latest_->read(frame)) throw Error(info_.name, "the camera gives no more pictures");
+    bool wanted = true;
+    const auto wait_on = [&] { return wanted = !wait_on_ || wait_on_(); };
+    if (!latest_->read(frame, wait_on)) {
+      if (!wanted) return false;
+      throw Error(info_.name, "the camera gives no more pictures");
+    }
     require_same_size(frame, info_);
     return true;
   }
@@ -83,9 +88,9 @@ class LiveSource final : public FrameSource {
     camera_.lock();
   }
 
-  bool grab(Frame& frame) {
+  bool grab(Frame& frame, const std::stop_token& stop) {
     double taken_s = 0;
-    if (!camera_.read(frame.bgr, taken_s)) return false;
+    if (!camera_.read(frame.bgr, taken_s, stop)) return false;
     frame.time_s = clock_.next(taken_s, steady_s());
     lock_when_settled(frame.time_s);
     return true;
@@ -95,7 +100,7 @@ class LiveSource final : public FrameSource {
   V4l2Camera camera_;
   LiveClock clock_;
   SourceInfo info_;
-  std::unique_ptr<LatestFrame> latest_;
+  std::unique_ptr<LatestFrame> latest_;  // last: its thread uses the rest
 };
 
 }  // namespace

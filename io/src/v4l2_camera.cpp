@@ -18,7 +18,7 @@ extern "C" {
 namespace handyar::io {
 namespace {
 
-constexpr int kTimeout_ms = 10'000;
+constexpr int kTimeout_ms = 10'000, kPoll_ms = 100;
 constexpr int kMostFaults = 100;  // pictures in a row that cannot be decoded
 constexpr unsigned kBuffers = 4;
 constexpr unsigned kWidth_px = 640, kHeight_px = 480, kFps = 30;  // where nothing else is asked for
@@ -152,9 +152,18 @@ bool V4l2Camera::start() {
   return control(VIDIOC_STREAMON, &type);
 }
 
-bool V4l2Camera::read(cv::Mat& bgr, double& taken_s) {
+// Whether there is a picture; in short waits, so that a stop is seen soon.
+bool V4l2Camera::wait(const std::stop_token& stop) {
+  for (int waited_ms = 0; waited_ms < kTimeout_ms; waited_ms += kPoll_ms) {
+    if (stop.stop_requested()) return false;
+    if (const int ready = calls_.poll(device_, kPoll_ms); ready != 0) return ready > 0;
+  }
+  return false;
+}
+
+bool V4l2Camera::read(cv::Mat& bgr, double& taken_s, const std::stop_token& stop) {
   for (int faults = 0; faults < kMostFaults; ++faults) {
-    if (calls_.poll(device_, kTimeout_ms) <= 0) return false;
+    if (!wait(stop)) return false;
     v4l2_buffer buffer = buffer_of(0);
     if (!control(VIDIOC_DQBUF, &buffer)) {
       if (errno == EAGAIN) continue;

@@ -4,6 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,8 @@ class V4l2Camera {
   V4l2Camera& operator=(const V4l2Camera&) = delete;
 
   /// Waits for the next picture and when it was taken, by the driver's clock. What cannot be
-  /// decoded is left out. False when the camera gives no more.
-  bool read(cv::Mat& bgr, double& taken_s);
+  /// decoded is left out. False when the camera gives no more, and soon once a stop is requested.
+  bool read(cv::Mat& bgr, double& taken_s, const std::stop_token& stop = {});
 
   /// Keeps exposure, white balance and focus as they are.
   void lock();
@@ -42,6 +43,7 @@ class V4l2Camera {
   bool set_format(const CameraSettings& settings);
   void set_rate(double fps);
   bool start();
+  bool wait(const std::stop_token& stop);
   bool convert(std::span<const std::uint8_t> bytes, cv::Mat& bgr);
   void close();
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
+#include <utility>
 
 #include "handyar/image_view.hpp"
 
@@ -49,6 +51,13 @@ class FrameSource {
   /// Fills `frame`; false at the proper end. Throws Error when the input ends early (the message
   /// says how much of it could be read), changes its size, or the camera is unplugged.
   virtual bool read(Frame& frame) = 0;
+
+  /// While a live camera gives no picture this is asked, ten times a second, whether to wait on;
+  /// where it says no, read gives false.
+  void ask_while_waiting(std::function<bool()> wait_on) { wait_on_ = std::move(wait_on); }
+
+ protected:
+  std::function<bool()> wait_on_;  ///< none: as long as the camera may take
 };
 
 /// Opens what the command line calls INPUT: a video file, a picture, a numbered series of pictures
