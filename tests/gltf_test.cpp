@@ -40,7 +40,7 @@ class GltfFile : public testing::Test {
     }
     std::ofstream(folder_ / "m.gltf")
         << R"({"asset": {"version": "2.0"},
-      "extensionsUsed": ["KHR_materials_pbrSpecularGlossiness"], "scene": 0, "scenes": [{"nodes": [)"
+      "extensionsUsed": ["KHR_materials_pbrSpecularGlossiness", "KHR_texture_transform"], "scene": 0, "scenes": [{"nodes": [)"
         << list << R"(]}], "nodes": [)" << all << R"(],
       "meshes": [{"primitives": [{"attributes": {"POSITION": 0)"
         << attributes << R"(}, "material": 0}]}], "materials": [)" << material << R"(],
@@ -84,6 +84,22 @@ TEST_F(GltfFile, OnlyAMaterialThatSaysSoHasHolesWhereItsTextureHas) {
     const Model model = read(kTextured + mode + "}", kAtCoordinates);
     EXPECT_EQ(model.meshes.at(0).material.texture.at<cv::Vec4b>(0, 0), cv::Vec4b(30, 20, 10, alpha))
         << mode;
+  }
+}
+
+// By the extension's own example: a quarter of the picture, turned by 90 degrees.
+TEST_F(GltfFile, TextureLiesAsItsTransformSays) {
+  write_picture("a.png", {10, 20, 30, 255});
+  const Model model = read(R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0,
+      "extensions": {"KHR_texture_transform": {
+        "offset": [0.1, 1], "rotation": 1.5707963, "scale": [0.5, 0.25]}}}}})",
+                           kAtCoordinates);
+  const Eigen::Vector2f expected[] = {{0.1f, 1.0f}, {0.1f, 0.5f}, {0.35f, 1.0f}};
+  ASSERT_EQ(model.meshes.at(0).vertices.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector2f uv = model.meshes[0].vertices[i].uv;
+    const Eigen::Vector2f turns = uv - expected[i];
+    EXPECT_NEAR((turns - turns.array().round().matrix()).norm(), 0, 1e-5) << uv.transpose();
   }
 }
 

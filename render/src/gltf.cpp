@@ -2,6 +2,7 @@
 #include "gltf.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
@@ -23,7 +24,7 @@ class Reader {
  public:
   explicit Reader(const std::filesystem::path& path) : path_(path.string()) {}
 
-  void check(std::string_view text) const {
+  std::vector<Eigen::Affine2f> check(std::string_view text) const {
     bool deep = false;
     const auto look = [&](int depth, Json::parse_event_t, const Json&) {
       deep = deep || depth > kDeepestJson;
@@ -35,6 +36,9 @@ class Reader {
       check_nodes(list(root, "nodes"));
       for (const Json& skin : list(root, "skins")) check_skin(skin, list(root, "accessors"));
       for (const Json& image : list(root, "images")) check_image(image);
+      std::vector<Eigen::Affine2f> laid;
+      for (const Json& material : list(root, "materials")) laid.push_back(laid_by(material));
+      return laid;
     } catch (const Json::exception& e) {
       fail("is not valid glTF: " + io::fault_of(e));
     }
@@ -98,21 +102,35 @@ class Reader {
       fail("has an image whose mimeType is \"" + kind + "\"");
   }
 
+  /// By the transform of the texture that colours a material (KHR_texture_transform).
+  static Eigen::Affine2f laid_by(const Json& material) {
+    static const Json::json_pointer kWhere(
+        "/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform");
+    Eigen::Affine2f laid = Eigen::Affine2f::Identity();
+    if (!material.contains(kWhere)) return laid;
+    const Json& by = material[kWhere];
+    using Pair = std::array<float, 2>;
+    const Pair offset = by.value("offset", Pair{0, 0}), scale = by.value("scale", Pair{1, 1});
+    laid.translate(Eigen::Vector2f(offset[0], offset[1]));
+    laid.rotate(-by.value("rotation", 0.0f));  // stated as seen with v downwards
+    laid.scale(Eigen::Vector2f(scale[0], scale[1]));
+    return laid;
+  }
+
   std::string path_;
 };
 
 }  // namespace
 
-void check_gltf(const std::filesystem::path& path) {
+std::vector<Eigen::Affine2f> read_gltf(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   const int first = (file >> std::ws).peek();
-  if (first != '{' && first != 'g') return;
+  if (first != '{' && first != 'g') return {};
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   const Reader reader(path);
-  if (first == '{')
-    reader.check(bytes);
-  else if (bytes.starts_with("glTF"))
-    reader.check(reader.first_chunk(bytes));
+  if (first == '{') return reader.check(bytes);
+  if (bytes.starts_with("glTF")) return reader.check(reader.first_chunk(bytes));
+  return {};
 }
 
 }  // namespace handyar::render

@@ -152,7 +152,8 @@ Material read_material(const aiScene& scene, const aiMaterial& in, const fs::pat
   return out;
 }
 
-Mesh read_mesh(const aiMesh& in, const aiMaterial& material, const Mesh::Moment& first) {
+Mesh read_mesh(const aiMesh& in, const aiMaterial& material, const Eigen::Affine2f& laid,
+               const Mesh::Moment& first) {
   Mesh out;
   const bool linear = !gltf_mode(material).empty();
   const unsigned coordinates = colour_texture_of(material).value_or(ColourTexture{}).coordinates;
@@ -160,7 +161,8 @@ Mesh read_mesh(const aiMesh& in, const aiMaterial& material, const Mesh::Moment&
     Vertex v{first.positions[i], first.normals[i]};
     if (in.HasVertexColors(0)) v.colour = srgb(in.mColors[0][i], linear);
     if (in.HasTextureCoords(coordinates))
-      v.uv = {in.mTextureCoords[coordinates][i].x, in.mTextureCoords[coordinates][i].y};
+      v.uv = laid * Eigen::Vector2f(in.mTextureCoords[coordinates][i].x,
+                                    in.mTextureCoords[coordinates][i].y);
     out.vertices.push_back(v);
   }
   for (unsigned i = 0; i < in.mNumFaces; ++i) {
@@ -228,7 +230,7 @@ bool all_finite(const Model& model) {
 Model load_model(const fs::path& path) {
   if (!std::ifstream(path)) fail(path, "no such model (a file, or one of: teapot, bunny)");
   if (is_ply_cut_short(path)) fail(path, "breaks off: its header states more than there is");
-  check_gltf(path);
+  const std::vector<Eigen::Affine2f> laid = read_gltf(path);
   Assimp::Importer importer;
   importer.SetIOHandler(new Files);  // which it deletes
   // Points and lines have no surface: they are dropped.
@@ -249,7 +251,10 @@ Model load_model(const fs::path& path) {
   std::map<const aiMaterial*, Material> materials;  // whose textures take time and memory once
   for (const auto& [mesh, node] : uses) {
     const aiMaterial& material = *scene->mMaterials[mesh->mMaterialIndex];
-    model.meshes.push_back(read_mesh(*mesh, material, moment(*mesh, *node, first)));
+    const unsigned which = mesh->mMaterialIndex;
+    model.meshes.push_back(
+        read_mesh(*mesh, material, which < laid.size() ? laid[which] : Eigen::Affine2f::Identity(),
+                  moment(*mesh, *node, first)));
     const auto [known, is_new] = materials.try_emplace(&material);
     if (is_new) known->second = read_material(*scene, material, path);
     model.meshes.back().material = known->second;
