@@ -115,7 +115,7 @@ TEST(HandFigure, FingertipsOfAHandThatHeldThemOtherwiseTellTheOneAtRest) {
   };
   EXPECT_LT(off_m({}, 0), 0.003);
   Posture closed;
-  for (int f = 0; f < kFingerCount; ++f) closed.abduction_rad[f] = 0.5 * kClosing_rad[f];
+  for (int f = 0; f < kFingerCount; ++f) closed.abduction_rad[f] = 0.5 * closing_rad()[f];
   // As measured, these are off by up to 20 mm, and 40 to 60 where the frame is turned.
   for (const double turned : {deg(-20), 0.0, deg(20)}) EXPECT_LT(off_m(closed, turned), 0.01);
   EXPECT_LT(off_m({}, deg(20)), 0.015);

@@ -281,7 +281,7 @@ TEST(Tracker, FingersSideBySideAreNoSmallerHand) {
     film.hand_model = average_adult_hand();
     film.tracker = HandTracker(film.camera, film.hand_model);
     for (int f = 0; f < kFingerCount; ++f)
-      film.hand.state.posture.abduction_rad[f] = closing * kClosing_rad[f];
+      film.hand.state.posture.abduction_rad[f] = closing * closing_rad()[f];
     ASSERT_LT(film.until(State::tracking, 1), 1) << closing;
     for (int i = 0; i < 15; ++i) film.next();
     ASSERT_TRUE(film.result.pose) << closing;

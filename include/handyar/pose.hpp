@@ -9,10 +9,13 @@
 
 namespace handyar {
 
+using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// A hand goes on as it went, or speeds up, for about so long; no frame counts for more time.
 inline constexpr double kLongest_s = 0.1;
+/// So long a hand is remembered, and moves in one manner.
+inline constexpr double kRemembered_s = 1.0;
 
 /// Pose of the hand in the camera, from one frame (paper 2.5).
 struct PoseEstimate {

@@ -11,8 +11,8 @@
 
 namespace handyar {
 
-/// Two settings a person can understand; both are physical. They bound how hard the hand speeds up;
-/// how hard it does at the moment, from almost not at all upwards, the filter finds out by itself.
+/// Accelerations bound how hard the hand speeds up; how hard it does at the moment, from almost not
+/// at all upwards, the filter finds out by itself.
 struct PoseFilterConfig {
   double acceleration_m_s2 = 4.0;     ///< how hard a hand is expected to speed up; lower: smoother
   double acceleration_rad_s2 = 40.0;  ///< the same for turning

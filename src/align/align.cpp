@@ -18,6 +18,8 @@ namespace {
 // Lengths of a line's segments, one iteration each, in finest ones: from coarse, which reaches far,
 // to fine, which is exact.
 constexpr std::array kSegments{4, 3, 2, 2, 1, 1, 1};
+// Between places on the outline: as long as the two segments about the coarsest boundary.
+constexpr double kSpacing_m = kEitherSide * kSegments.front() * kFinestSegment_m;
 // What is visible changes little from step to step: it is looked at anew after so many.
 constexpr std::size_t kChosenFor = 4;
 // The palm's texture takes part in so many steps, the last: it reaches no farther than its cells.
@@ -100,7 +102,6 @@ Inside points_inside(const PosedFigure& posed, int part) {
 }  // namespace
 
 struct Aligner::Impl {
-  AlignConfig config;
   OutlineColors colors;
   PalmTexture texture;
   Silhouette::Anchors anchors;
@@ -109,7 +110,7 @@ struct Aligner::Impl {
   int outline_count = 0;
 
   float spacing_px(const Silhouette& silhouette) const noexcept {
-    return static_cast<float>(silhouette.to_px(config.spacing_m));
+    return static_cast<float>(silhouette.to_px(kSpacing_m));
   }
 
   /// One step of Gauss-Newton; returns false when too little is seen.
@@ -117,9 +118,7 @@ struct Aligner::Impl {
             const HandPrior& prior, std::size_t iteration, bool choose, Alignment& a) noexcept;
 };
 
-Aligner::Aligner(const AlignConfig& config) : impl_(std::make_unique<Impl>()) {
-  impl_->config = config;
-}
+Aligner::Aligner() : impl_(std::make_unique<Impl>()) {}
 Aligner::~Aligner() = default;
 Aligner::Aligner(Aligner&&) noexcept = default;
 Aligner& Aligner::operator=(Aligner&&) noexcept = default;
@@ -170,9 +169,8 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
     log_ratio += kLineWeight * found.log_ratio;
     squares += weight * mu * mu;
     weights += weight;
-    outline[outline_count++] = {line.frame_px(), line.frame_normal(),
-                                found.mean_px,   found.sigma_px,
-                                found.log_ratio, static_cast<std::uint8_t>(finger)};
+    outline[outline_count++] = {line.frame_px(), line.frame_normal(), found.mean_px,
+                                found.log_ratio};
   }
   if (outline_count == 0) return false;
   const HandVector off = a.state.difference(prior.mean), pull = prior.information * off;

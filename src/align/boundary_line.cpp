@@ -118,7 +118,7 @@ Boundary BoundaryLine::find(const OutlineColors& colors, int part, bool edges) c
   const float mean = first / total;
   const float variance = std::max(second / total - mean * mean, kLeastVariance);
   return {mean * segment_px_, std::sqrt(variance) * segment_px_,
-          std::clamp(std::log(kPlaces * here / total + 1e-6f), -kMostEvidence, kMostEvidence)};
+          std::clamp(std::log(kPlaces * here / total), -kMostEvidence, kMostEvidence)};
 }
 
 }  // namespace handyar

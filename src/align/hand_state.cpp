@@ -20,9 +20,7 @@ PosedFigure posed_figure(Appearance appearance, const HandState& state) noexcept
 }
 
 void HandState::correct(const HandVector& step) noexcept {
-  T_camera_hand.linear() = (so3::exp(step.head<3>()) * Eigen::Quaterniond(T_camera_hand.linear()))
-                               .normalized()
-                               .toRotationMatrix();
+  T_camera_hand.linear() = so3::turned(step.head<3>(), T_camera_hand.linear());
   T_camera_hand.translation() += step.segment<3>(3);
   for (int f = 0; f < kFingerCount; ++f) {
     posture.abduction_rad[f] += step[kAbductionAt + f];

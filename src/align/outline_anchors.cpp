@@ -28,7 +28,7 @@ void Silhouette::try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) 
   const auto least = static_cast<float>(to_px(kLeast_m));
   // Free ground ends where another part of the figure begins; each step is as long as is surely
   // free.
-  float r = std::max(2.0f, least);
+  float r = kEitherSide * std::max(1.0f, static_cast<float>(to_px(kFinestSegment_m)));
   while (r < reach) {
     const float d = distance_px(at.px + r * at.normal);
     if (d < 0.35f * r) {

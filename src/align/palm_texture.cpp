@@ -237,8 +237,7 @@ void PalmTexture::place(const Pull& seen, const Eigen::Isometry3d& T_camera_hand
       of_learned.solve(views * ((information_ + frame) * (to_hand * llt.solve(seen.g))));
   if (!step.allFinite() || !learned.allFinite()) return;
   information_ = 0.5 * (learned + learned.transpose());
-  T_hand_grid_.linear() =
-      (so3::exp(step.head<3>()) * Eigen::Quaterniond(T_hand_grid_.linear())).toRotationMatrix();
+  T_hand_grid_.linear() = so3::turned(step.head<3>(), T_hand_grid_.linear());
   T_hand_grid_.translation() += step.tail<3>();
 }
 

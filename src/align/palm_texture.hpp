@@ -18,7 +18,6 @@ namespace handyar {
 class PalmTexture {
  public:
   using Field = PalmField;
-  using Vector6d = Eigen::Matrix<double, 6, 1>;
 
   void forget() noexcept { frames_ = 0; }
 

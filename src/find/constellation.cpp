@@ -167,8 +167,6 @@ class Reader {
     for (int f = 0; f < kFingerCount; ++f) {
       hand.tips_px[f] = mirrored(tips.col(f));
       hand.palm_px += kPalmOfTips[f] * hand.tips_px[f];
-      const float log_odds = peaks_[f].items[chosen_[f]].log_odds;
-      hand.tip_confidence[f] = f == missing_ ? 0 : 1 / (1 + std::exp(-log_odds));
     }
     if (hand.span_px() < kLeastSpan) return;
     const float palm = maps_.largest_about(palm_map_, hand.palm_px, kNoPalm);

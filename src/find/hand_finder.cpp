@@ -15,7 +15,7 @@ namespace {
 
 using Network = FinderNetwork;
 
-// Of one sample at most so many pixels a side are read: in large frames every second or third.
+// Of one sample at most so many pixels a side are read: of large frames not all.
 constexpr int kMostReads = 4;
 // The second look takes in so many spans around the hand.
 constexpr float kSecondLook = 2.6f;

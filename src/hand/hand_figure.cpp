@@ -182,11 +182,15 @@ FigureOfTips figure_of_tips(const TipPlaces& tips_m, const TipPlaces& variance_m
 
 }  // namespace
 
+std::span<const double, kFingerCount> closing_rad() noexcept {
+  return statistics::kFigureClosing_rad;
+}
+
 Eigen::Matrix<double, kFingerCount, kFingerCount> abduction_covariance_rad2() noexcept {
   using Abductions = Eigen::Matrix<double, kFingerCount, 1>;
-  Abductions sigma = Abductions::Constant(kFingerSigma_rad);
-  sigma[static_cast<int>(Finger::thumb)] = kThumbSigma_rad;
-  const Abductions together = kClosingSigma * Eigen::Map<const Abductions>(kClosing_rad.data());
+  Abductions sigma;
+  for (int f = 0; f < kFingerCount; ++f) sigma[f] = finger_sigma_rad(f);
+  const Abductions together = kClosingSigma * Eigen::Map<const Abductions>(closing_rad().data());
   Eigen::Matrix<double, kFingerCount, kFingerCount> covariance = together * together.transpose();
   covariance.diagonal() += sigma.cwiseAbs2();
   return covariance;

@@ -10,8 +10,6 @@
 namespace handyar::paper {
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-
 struct Fit {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   Matrix6d information = Matrix6d::Zero();

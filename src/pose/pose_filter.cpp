@@ -11,15 +11,12 @@
 namespace handyar {
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Vector12d = MotionState::Vector12d;
 using Matrix12d = MotionState::Matrix12d;
 
 // Accelerations of the levels, as shares of the greatest, each 16 times the one before. The first
-// is the hand at rest, the second one that is meant to be.
+// is the hand at rest, the second one that is meant to be. One lasts for kRemembered_s in the mean.
 constexpr std::array<double, 4> kLevelShare{0, 1.0 / 256, 1.0 / 16, 1};
-// How long a level lasts in the mean.
-constexpr double kLevelLasts_s = 1.0;
 
 // So that a measurement without any doubt can be weighed, too: of 1 um and 1 urad, squared.
 constexpr double kTiny = 1e-12;
@@ -133,7 +130,7 @@ void PoseFilter::start(double time_s, const PoseEstimate& m) noexcept {
 
 /// What each level starts from: the states of all, weighted by how probable a change to it is.
 void PoseFilter::mix(double dt_s) noexcept {
-  const double change = (1 - std::exp(-dt_s / kLevelLasts_s)) / (kLevels - 1);
+  const double change = (1 - std::exp(-dt_s / kRemembered_s)) / (kLevels - 1);
   const std::array<Level, kLevels> before = levels_;
   std::array<std::array<Vector12d, kLevels>, kLevels> apart;  // error of i against j
   for (int j = 0; j < kLevels; ++j)

@@ -22,6 +22,11 @@ inline Eigen::Quaterniond exp(const Eigen::Vector3d& w) {
   return {std::cos(0.5 * angle), v.x(), v.y(), v.z()};
 }
 
+/// R turned by |w| about w.
+inline Eigen::Matrix3d turned(const Eigen::Vector3d& w, const Eigen::Matrix3d& R) {
+  return (exp(w) * Eigen::Quaterniond(R)).normalized().toRotationMatrix();
+}
+
 /// Rotation vector of least length, at most pi.
 inline Eigen::Vector3d log(const Eigen::Quaterniond& q) {
   const double s = q.vec().norm(), c = std::abs(q.w());

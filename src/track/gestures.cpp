@@ -39,9 +39,6 @@ namespace {
 // fingers point to the camera; a folded thumb lies before the palm or behind it.
 constexpr std::array<Posture, 3> kFingers = {
     {{}, {{-0.74, 0, 0, 0, 0}, {0.65, 1.35, 1.35, 1.35, 1.35}}, {{-0.75}, {0.95}}}};
-// They and the palm are held so much more firmly than an open hand's (standard deviations): less of
-// a folded hand's outline is seen, and what is seen does not fit as well.
-constexpr double kFirmer = 8;
 
 constexpr int kThumb = 0;
 
@@ -121,15 +118,17 @@ void Gestures::forget() noexcept {
   watches_ = false;
 }
 
-void Gestures::lay(const ImageView& frame, const Camera& camera, const Person& person, double dt_s,
+void Gestures::lay(const ImageView& frame, const Camera& camera, double dt_s,
                    const TrackerConfig& config, Aligner& aligner) noexcept {
   for (int i = 0; i < kPostures; ++i) {
     HandState expected = hand_.alignment.state;
     expected.T_camera_hand = expected.pose_after(dt_s);
     expected.posture = kFingers[i];
-    HandPrior prior = prior_around(expected, person, dt_s, config);
+    HandPrior prior = prior_around(expected, hand_.person, dt_s, config);
     prior.mean.posture = kFingers[i];
-    prior.information.topLeftCorner<kBoundaryAt, kBoundaryAt>() *= kFirmer * kFirmer;
+    // They and the palm are held as firmly as the stillest hand: less of a folded hand's outline is
+    // seen, and what is seen does not fit as well.
+    prior.information.topLeftCorner<kBoundaryAt, kBoundaryAt>() /= kStillest * kStillest;
     const bool follows = folded() && leader_ == static_cast<Gesture>(i);
     laid_[i] = aligner.align(frame, camera, hand_.appearance, expected, prior,
                              follows ? kNearSteps : kFarSteps);
@@ -173,9 +172,8 @@ void Gestures::lead(Gesture posture, double dt_s) noexcept {
   event_ = posture == Gesture::fist ? GestureEvent::grab : GestureEvent::click;
 }
 
-void Gestures::update(const ImageView& frame, const Camera& camera, const Person& person,
-                      const Hypothesis* tracked, double dt_s, const TrackerConfig& config,
-                      Aligner& aligner) noexcept {
+void Gestures::update(const ImageView& frame, const Camera& camera, const Hypothesis* tracked,
+                      double dt_s, const TrackerConfig& config, Aligner& aligner) noexcept {
   event_.reset();
   watches_ = opened_ = false;
   if (tracked && fits(tracked->alignment, config.belief)) {
@@ -185,7 +183,7 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Person
   }
   if (usual_ratio_ < kLeastUsual) return;
   watches_ = true;
-  lay(frame, camera, person, dt_s, config, aligner);
+  lay(frame, camera, dt_s, config, aligner);
   const Gesture posture = choose(tracked, frame, camera, config, aligner);
   if (posture != Gesture::open) return lead(posture, dt_s);
   if (folded() && fits(laid(Gesture::open), config.belief)) {

@@ -17,9 +17,8 @@ class Gestures {
  public:
   /// Looks at the next frame, in which `tracked` is the open hand as it is followed; null where
   /// none is.
-  void update(const ImageView& frame, const Camera& camera, const Person& person,
-              const Hypothesis* tracked, double dt_s, const TrackerConfig& config,
-              Aligner& aligner) noexcept;
+  void update(const ImageView& frame, const Camera& camera, const Hypothesis* tracked, double dt_s,
+              const TrackerConfig& config, Aligner& aligner) noexcept;
 
   /// What the hand does, once it did so for a while.
   Gesture gesture() const noexcept { return gesture_; }
@@ -54,8 +53,8 @@ class Gestures {
   void go_on(double dt_s) noexcept;
   void open() noexcept;
   void forget() noexcept;
-  void lay(const ImageView& frame, const Camera& camera, const Person& person, double dt_s,
-           const TrackerConfig& config, Aligner& aligner) noexcept;
+  void lay(const ImageView& frame, const Camera& camera, double dt_s, const TrackerConfig& config,
+           Aligner& aligner) noexcept;
   /// The posture that explains the picture; open where none does surely.
   Gesture choose(const Hypothesis* tracked, const ImageView& frame, const Camera& camera,
                  const TrackerConfig& config, const Aligner& aligner) const noexcept;

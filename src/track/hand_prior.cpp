@@ -21,8 +21,7 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   HandVector sigma = HandVector::Ones();
   sigma.head<3>().setConstant(motion.rotation_sigma_rad);
   sigma.segment<3>(3).setConstant(motion.translation_sigma_m);
-  sigma.segment<kFingerCount>(kFlexionAt).setConstant(moves * kFingerSigma_rad);
-  sigma[kFlexionAt] = moves * kThumbSigma_rad;
+  for (int f = 0; f < kFingerCount; ++f) sigma[kFlexionAt + f] = moves * finger_sigma_rad(f);
   sigma[kBoundaryAt] = motion.boundary_sigma_px;
   prior.information = sigma.array().square().inverse().matrix().asDiagonal();
   const Eigen::Matrix<double, kFingerCount, kFingerCount> abduction =
@@ -37,10 +36,10 @@ double liveliness_after(double dt_s, const Posture& found, double before, double
   // Angles that are drawn to rest by a prior of variance v and measured with the variance n have a
   // variance of at most v / 4 where there is no motion, whatever n is: with four times what is
   // found v shrinks for a hand at rest, and for one that moves by more than n it does not.
-  constexpr double kUnshrunk = 4, kLeast = 0.125;
+  constexpr double kUnshrunk = 4;
   double found_variance = 0;
   for (int f = 0; f < kFingerCount; ++f) {
-    const double sigma_rad = f == 0 ? kThumbSigma_rad : kFingerSigma_rad;
+    const double sigma_rad = finger_sigma_rad(f);
     found_variance += (found.abduction_rad[f] * found.abduction_rad[f] +
                        found.flexion_rad[f] * found.flexion_rad[f]) /
                       (2 * kFingerCount * sigma_rad * sigma_rad);
@@ -48,7 +47,7 @@ double liveliness_after(double dt_s, const Posture& found, double before, double
   // It rises at once, since fingers that close would pull the palm with them.
   const double now = kUnshrunk * found_variance, keeps = std::exp(-dt_s / same_s);
   const double variance = std::max(now, keeps * before * before + (1 - keeps) * now);
-  return std::clamp(std::sqrt(variance), kLeast, 1.0);
+  return std::clamp(std::sqrt(variance), kStillest, 1.0);
 }
 
 }  // namespace handyar

@@ -143,7 +143,7 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       HandState& state = h.alignment.state;
       state.figure = person.mean();
       for (int f = 0; f < kFingerCount; ++f)
-        state.posture.abduction_rad[f] = closed * kClosing_rad[f];
+        state.posture.abduction_rad[f] = closed * closing_rad()[f];
       state.T_camera_hand = start_pose(fingers, pose_fingers(figure, state.posture), camera,
                                        config.motion.rotation_sigma_rad);
       HandPrior prior = beginning.prior_at(state.T_camera_hand);

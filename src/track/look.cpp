@@ -27,18 +27,14 @@ HandTracker::Impl::Reading HandTracker::Impl::compare(const HandCandidate& candi
 const HandCandidate* HandTracker::Impl::seen_again() const noexcept {
   const HandPlace now = followed();
   for (const HandCandidate& candidate : candidates)
-    if (candidate.log_odds > 0 && !is_of_other(candidate) &&
-        compare(candidate, now) == Reading::same)
-      return &candidate;
+    if (!is_of_other(candidate) && compare(candidate, now) == Reading::same) return &candidate;
   return nullptr;
 }
 
 double HandTracker::Impl::verdict() const noexcept {
-  const HandPlace now = followed();
-  for (const HandCandidate& candidate : candidates)
-    if (!is_of_other(candidate) && compare(candidate, now) == Reading::same)
-      return candidate.log_odds;
-  return config.belief.give_up();  // unseen, or read otherwise: too tilted, or half hidden
+  const HandCandidate* const again = seen_again();
+  // Unseen, or read otherwise: too tilted, or half hidden.
+  return again ? again->log_odds : config.belief.give_up();
 }
 
 void HandTracker::Impl::find(const ImageView& frame) noexcept {
@@ -64,7 +60,7 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
   if (had) {
     const double share = std::min(1.0, since_s / limits.same_s);
     seen.belief += share * std::clamp(verdict(), -limits.most_frame(), limits.most_frame());
-    seen.hypotheses.expect(seen_again(), camera, share, limits);
+    seen.hypotheses.expect(verdict() > 0 ? seen_again() : nullptr, camera, share, limits);
   }
   seen.read_otherwise = false;
   begin(frame);

@@ -62,7 +62,7 @@ void HandTracker::Impl::report(TrackResult& result) noexcept {
   } else {
     // What stands on a hand that is read otherwise goes there unseen, not in a leap; and a frame
     // that says no by as much as hands are given up for shows a figure that leaps.
-    result.doubtful = seen.lately < config.belief.doubt || !result.pose ||
+    result.doubtful = seen.lately < config.belief.doubt() || !result.pose ||
                       config.belief.says(best.alignment.log_ratio) < config.belief.give_up() ||
                       seen.time_s - seen.changed_s < config.belief.same_s ||
                       sigma_rotation_rad(result.pose->covariance) > config.belief.doubt_rad;

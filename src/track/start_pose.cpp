@@ -11,9 +11,6 @@
 namespace handyar {
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
 constexpr double kFarthest_m = 5.0;
 
 /// Places of a hand, in it and in the frame: fingertips and roots.
@@ -47,8 +44,8 @@ Eigen::Isometry3d facing(const Places& places, const Camera& camera) {
     s += a.x() * b.y() - a.y() * b.x();
     size += a.squaredNorm();
   }
-  const double scale = std::max(std::hypot(c, s) / size, 1 / kFarthest_m);
-  const double angle = std::atan2(s, c), depth_m = std::clamp(1 / scale, kNearest_m, kFarthest_m);
+  const double angle = std::atan2(s, c),
+               depth_m = std::clamp(size / std::hypot(c, s), kNearest_m, kFarthest_m);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
                Eigen::Vector3d(1, -1, -1).asDiagonal();
@@ -91,8 +88,7 @@ Eigen::Isometry3d start_pose(const RoughFingers& seen, const PosedFigure& hand,
     g.head<3>() -= tilt_information * turned_so_far;
     const Vector6d step = H.ldlt().solve(g);
     if (!step.allFinite()) return start;
-    T.linear() =
-        (so3::exp(step.head<3>()) * Eigen::Quaterniond(T.linear())).normalized().toRotationMatrix();
+    T.linear() = so3::turned(step.head<3>(), T.linear());
     T.translation() += step.tail<3>();
   }
   return T.translation().z() > kNearest_m ? T : start;

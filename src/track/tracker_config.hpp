@@ -21,16 +21,16 @@ struct BeliefConfig {
   /// ratio on, and less than it claims. In dim rooms right ones have hardly more; from 5 on, a hand
   /// that shows four fingers is tracked in 24 of 3240 frames, from 7 on in none.
   double even = 7.0, claim = 0.4;
-  /// A hand is doubtful that frames say less of in the mean, log odds, older ones fading in same_s:
-  /// right hands in dim rooms dip for a frame or two, and what stands on them would flicker. A
-  /// figure that says less is not seen to lie on the hand: those that have strayed have a log ratio
-  /// of about 4 and less (real clips).
-  double doubt = -1.0;
   /// A pose whose orientation is less sure (standard deviation) is doubtful, and two ways to see a
   /// hand that are nearer to each other are one.
   double doubt_rad = 0.2;
 
   double give_up() const { return -believe; }
+  /// A hand is doubtful that frames say less of in the mean, log odds, older ones fading in same_s:
+  /// right hands in dim rooms dip for a frame or two, and what stands on them would flicker. A
+  /// figure that says less is not seen to lie on the hand: those that have strayed have a log ratio
+  /// of about 4 and less (real clips).
+  double doubt() const { return give_up() / 2; }
   /// No frame says more, either way.
   double most_frame() const { return 2 * believe; }
   /// No hand is believed more, so that it can be given up in time.
@@ -38,10 +38,10 @@ struct BeliefConfig {
   /// What a frame's log ratio says of a hand, log odds.
   double says(double log_ratio) const { return claim * (log_ratio - even); }
   /// Log ratio of a frame from which on a figure is seen to lie on a hand.
-  double seen() const { return even + doubt / claim; }
+  double seen() const { return even + doubt() / claim; }
 };
 
-/// How a hand moves from frame to frame, and how fingers do.
+/// How a hand moves from frame to frame.
 struct MotionConfig {
   double rotation_sigma_rad = 0.35;   ///< of a frame's pose around what the frames before foretell
   double translation_sigma_m = 0.06;  ///< the same
@@ -50,13 +50,10 @@ struct MotionConfig {
 
 /// How fast what is seen is learned.
 struct LearningConfig {
-  /// Of the time that a hand has been seen counts as one independent view of its figure, same_s at
-  /// least. Views come back, and the figure's errors with them.
-  double view_share = 0.2;
   /// So long a hand is remembered: the look of its skin fades this fast, what its figure does not
   /// explain stays, one that is lost may come back, and another way to see it is thought of this
   /// often.
-  double remember_s = 1.0;
+  double remember_s = kRemembered_s;
 };
 
 /// All settings of the tracker, a struct per stage, after what the user asked for.
@@ -71,7 +68,6 @@ struct TrackerConfig {
   }
 
   Config user;
-  AlignConfig align;
   BeliefConfig belief;
   MotionConfig motion;
   LearningConfig learning;

@@ -28,8 +28,6 @@ HandTracker::Impl::Impl(const Camera& c, const HandModel& h, const Config& cfg)
       hand(h),
       calibrated_camera(c),
       camera(c),
-      aligner(config.align),
-      scout(config.align),
       seen{.hypotheses = {},
            .gestures = {},
            .person = Person(estimate_figure(h)),
@@ -88,8 +86,7 @@ bool HandTracker::Impl::is_whole(const Hypothesis& its, const ImageView& frame,
 void HandTracker::Impl::compare_postures(const ImageView& frame, double dt_s) noexcept {
   Gestures& gestures = seen.gestures;
   const bool open = has_hand() && (seen.state == State::tracking || gestures.holds());
-  gestures.update(frame, camera, seen.person, open ? &seen.hypotheses.best() : nullptr, dt_s,
-                  config, aligner);
+  gestures.update(frame, camera, open ? &seen.hypotheses.best() : nullptr, dt_s, config, aligner);
   if (gestures.folded()) seen.hypotheses.clear();
   if (gestures.opened()) {
     seen.hypotheses.resume(gestures.hand());
@@ -174,8 +171,10 @@ void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
   if (seen.state == State::tracking) {
     const double stands_for_s = std::min(dt_s, kLongest_s);
     seen.learned_s += stands_for_s;
+    // Views come back, and the figure's errors with them: of all the time the same share counts.
     const double views =
-        stands_for_s / std::max(config.belief.same_s, config.learning.view_share * seen.learned_s);
+        stands_for_s /
+        (config.belief.same_s * std::max(1.0, seen.learned_s / config.learning.remember_s));
     aligner.learn_texture(frame, camera, best.appearance, best.alignment,
                           std::min(dt_s / config.learning.remember_s, 1.0), views);
     seen.hypotheses.learn_person(views, config);

@@ -64,7 +64,15 @@ def rows(values, per_line=8):
     return ',\n    '.join(', '.join(values[i:i + per_line]) for i in range(0, len(values), per_line))
 
 
-def write_inc(path, count, mean, modes, left, real):
+def closing_rad(mean):
+    """By the ways from each finger's root to its last sphere, in the hand plane."""
+    fingers = mean[:80].reshape(5, 4, 4)
+    way = fingers[:, 3, :2] - fingers[:, 0, :2]
+    angles = np.arctan2(way[:, 0], way[:, 1])
+    return np.r_[angles[1], np.full(4, angles[2])] - angles
+
+
+def write_inc(path, count, mean, modes, real):
     hulls = ['{%d, %d, %d}' % h for h in figure.HULLS]
     hulls = ',\n    '.join(', '.join(hulls[i:i + 6]) for i in range(0, len(hulls), 6))
     mode_text = ',\n    '.join('{' + rows(m) + '}' for m in modes)
@@ -77,7 +85,6 @@ def write_inc(path, count, mean, modes, left, real):
 // joints to the tip; 20 + k is the web between the fingers k and k + 1; 24 and 25 the wrist below
 // thumb and little finger, 26 the hypothenar. A hand is the mean plus modes times coefficients of
 // unit variance, within the residual. Mirror z for the back of a left hand, x for thumb_left.
-inline constexpr int kFigureSpheres = {figure.SPHERES};
 inline constexpr int kFigureNumbers = {len(mean)};
 inline constexpr int kFigureModes = {len(modes)};
 inline constexpr int kFigureHulls = {len(figure.HULLS)};
@@ -93,14 +100,15 @@ inline constexpr float kFigureMean_m[kFigureNumbers] = {{
 inline constexpr float kFigureModes_m[kFigureModes][kFigureNumbers] = {{
     {mode_text}}};
 
-// What the modes leave of the rendered hands: the least doubt.
-inline constexpr float kFigureRenderedSigma_m[kFigureNumbers] = {{
-    {rows(left)}}};
-
-// The same with what rendered hands cannot tell of real ones. A tip's comes on top of the residual
-// of its finger's last sphere, with which it moves.
+// What the modes leave of rendered hands, with what those cannot tell of real ones. A tip's comes
+// on top of the residual of its finger's last sphere, with which it moves.
 inline constexpr float kFigureSigma_m[kFigureNumbers] = {{
     {rows(real)}}};
+
+// How fingers turn from the mean hand's rest until they lie side by side (abduction, radians): the
+// four along the middle finger, the thumb along the index finger.
+inline constexpr double kFigureClosing_rad[5] = {{
+    {', '.join('%.3f' % a for a in closing_rad(mean))}}};
 ''')
 
 
@@ -121,7 +129,7 @@ def main():
     print('left, mm rms: centres %.2f, radii %.2f, tips %.2f' %
           (rms(spheres[:, :3]), rms(spheres[:, 3]), rms(left[108:])))
     if a.inc:
-        write_inc(a.inc, len(X), mean, modes, left, real)
+        write_inc(a.inc, len(X), mean, modes, real)
     if a.json:
         lists = lambda v: np.round(v, 6).tolist()
         json.dump(dict(mean=lists(mean), modes=lists(modes), sigma=lists(real), sigma_rendered=lists(left),

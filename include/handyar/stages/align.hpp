@@ -43,7 +43,7 @@ struct HandState {
 /// Fingertips and the fingers' roots as a finder gives them: rough.
 struct RoughFingers {
   std::array<Eigen::Vector2d, kFingerCount> tips_px, roots_px;
-  double sigma_px = 10;
+  double sigma_px;
 };
 
 /// What is known of the state before the figure is laid on the frame.
@@ -69,9 +69,7 @@ PosedFigure posed_figure(Appearance appearance, const HandState& state) noexcept
 struct OutlinePoint {
   Eigen::Vector2f px, normal;  ///< outwards
   float found_px = 0;          ///< how far outside of it the picture's boundary lies
-  float sigma_px = 0;
-  float log_ratio = 0;    ///< for a boundary here against one anywhere near, nats
-  std::uint8_t part = 0;  ///< finger, or kFingerCount for the palm
+  float log_ratio = 0;         ///< for a boundary here against one anywhere near, nats
 };
 
 /// The first and the last steps of an alignment, by how coarse the lines across the outline are:
@@ -80,10 +78,6 @@ struct Steps {
   int coarsest = 4, finest = 1;
 };
 inline constexpr Steps kFarSteps{4, 1}, kNearSteps{2, 1};
-
-struct AlignConfig {
-  double spacing_m = 0.006;  ///< between places on the outline; closer: little gained, slower
-};
 
 /// A figure laid on a picture.
 struct Alignment {
@@ -117,12 +111,12 @@ inline bool is_gone(std::optional<double> share) { return share && *share < kThe
 /// (IJCV 2022), with fingers that move and an outline that may lie outside the figure's.
 class Aligner {
  public:
-  explicit Aligner(const AlignConfig& config = {});
+  Aligner();
   ~Aligner();
   Aligner(Aligner&&) noexcept;
   Aligner& operator=(Aligner&&) noexcept;
 
-  /// Forgets the colours.
+  /// Forgets the colours and the palm's texture.
   void forget() noexcept;
 
   /// Steps from coarse to fine from `start` on, whose outline is off by no more than the coarsest

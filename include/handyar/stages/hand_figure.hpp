@@ -53,13 +53,13 @@ struct PosedFigure {
 PosedFigure pose_fingers(const HandFigure& figure, const Posture& posture) noexcept;
 
 /// How fingers turn when those of an average hand at rest, all apart, come to lie side by side
-/// (abduction, radians): the four by the angles between them and the middle finger, the thumb to
-/// the edge of the palm.
-inline constexpr std::array<double, kFingerCount> kClosing_rad{-0.6, -0.27, 0, 0.23, 0.54};
+/// (abduction, radians): the four along the middle finger, the thumb along the index finger.
+std::span<const double, kFingerCount> closing_rad() noexcept;
 
 /// How lively fingers stray from rest, standard deviations: a finger's turn and bend, the thumb's,
 /// which moves farther, and how far all close together, 1 is side by side.
-inline constexpr double kFingerSigma_rad = 0.08, kThumbSigma_rad = 0.2, kClosingSigma = 0.25;
+constexpr double finger_sigma_rad(int finger) { return finger == 0 ? 0.2 : 0.08; }
+inline constexpr double kClosingSigma = 0.25;
 
 /// Covariance of the five abductions by all of these.
 Eigen::Matrix<double, kFingerCount, kFingerCount> abduction_covariance_rad2() noexcept;

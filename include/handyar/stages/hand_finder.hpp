@@ -45,7 +45,6 @@ struct HandCandidate : HandPlace {
   float log_odds = 0;                                    ///< of an open hand there against none
   float palm_log_odds = 0;                               ///< of its palm in view against its back
   std::array<Eigen::Vector2f, kFingerCount> roots_px{};  ///< of the fingers, in the hand
-  std::array<float, kFingerCount> tip_confidence{};      ///< 0 to 1; 0: by the others alone
 
   /// Standard deviation of a fingertip along each axis, as it is among training pictures.
   float tip_sigma_px() const noexcept;
