@@ -131,6 +131,17 @@ TEST_P(GesturesAt, TheOtherHandAndTheBackOfAHandDoToo) {
   EXPECT_LT(told.farthest_px, kMostMoved_px);
 }
 
+TEST_P(GesturesAt, AFistThatOpensAllButItsThumbIsLetGo) {
+  ASSERT_LT(film.until(State::tracking, 1), 1);
+  hold({}, 0.5, false);
+  play({}, kFist, 0.3);
+  hold(kFist, 0.5, false);
+  play(kFist, kFour, 0.3);
+  hold(kFour, 0.5, false);
+  EXPECT_EQ(film.result.gesture, Gesture::four);
+  EXPECT_EQ(told.events, (std::vector{GestureEvent::grab, GestureEvent::release}));
+}
+
 TEST_P(GesturesAt, AFistThatGoesIsLetGo) {
   ASSERT_LT(film.until(State::tracking, 1), 1);
   hold({}, 0.5, false);

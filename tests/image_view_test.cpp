@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
+
+#include "image/pixel_reader.hpp"
 
 namespace handyar {
 namespace {
@@ -41,6 +45,28 @@ constexpr PixelFormat kColorFormats[] = {PixelFormat::bgr,  PixelFormat::rgb,  P
 TEST(ImageView, EveryColourFormatIsAccepted) {
   for (const PixelFormat format : kColorFormats)
     EXPECT_EQ(check(view(640, 480, format)), FrameStatus::ok) << int(format);
+}
+
+TEST(PixelReader, LumaOfAGreyIsTheSameInEveryFormat) {
+  for (const int grey : {0, 60, 128, 255})
+    for (const PixelFormat format : kColorFormats) {
+      const bool packed = format == PixelFormat::yuyv, planar = format == PixelFormat::nv12;
+      const auto y = static_cast<std::uint8_t>(std::lround(16 + 219 * grey / 255.0));
+      std::vector<std::uint8_t> bytes(640 * 480 * 4, packed || planar ? y : std::uint8_t(grey));
+      for (std::size_t i = 1; packed && i < bytes.size(); i += 2) bytes[i] = 128;
+      const std::vector<std::uint8_t> chroma(640 * 240, 128);
+      ImageView v = view(640, 480, format);
+      v.data = bytes.data();
+      if (planar) v.chroma = chroma.data();
+      const PixelReader reader(v);
+      EXPECT_NEAR(reader.luma(20.5f, 31.25f), grey, 1.1) << int(format);
+      PixelGroup group;
+      std::array<ColorBin, PixelGroup::kMost> bins;
+      PixelGroup::Numbers luma;
+      reader.read(20, 31, 0, group);
+      reader.tell(group, bins, luma);
+      EXPECT_NEAR(luma[0], grey, 1.1) << int(format);
+    }
 }
 
 TEST(ImageView, GreyIsRefused) {

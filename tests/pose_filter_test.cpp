@@ -251,6 +251,22 @@ TEST(PoseFilter, RefusesAnOutlierAndStartsAnewWhenItStays) {
   EXPECT_LT(test::rotation_error_rad(filter.predict(t)->T_camera_hand, flipped), deg(4));
 }
 
+TEST(PoseFilter, OutliersThatStayDoSoForAsLongAtAnyFrameRate) {
+  auto rng = test::random_for("PoseFilter.OutliersThatStayDoSoForAsLongAtAnyFrameRate");
+  for (const int fps : {15, 30, 60, 120}) {
+    PoseFilter filter;
+    double t = 0;
+    const auto next = [&](const Eigen::Isometry3d& T) {
+      t += 1.0 / fps;
+      return filter.update(t, measured(T, deg(0.7), 0.0007, rng));
+    };
+    for (int i = 0; i < fps; ++i) next(at_rest());
+    const double accepted_s = t;
+    while (!next(displaced(0.4, deg(120)))) ASSERT_LT(t, accepted_s + 1);
+    EXPECT_NEAR(t - accepted_s, kLongest_s, 0.5 / fps + 1e-9) << fps;
+  }
+}
+
 TEST(PoseFilter, ForgetsOnResetAndAfterALongGap) {
   PoseFilter filter;
   EXPECT_FALSE(filter.predict(0));

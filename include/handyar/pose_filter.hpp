@@ -57,7 +57,7 @@ class HANDYAR_API PoseFilter {
   void reset() noexcept;
 
   /// Takes a measurement made at `time_s` (after the previous one). Returns false when the gate
-  /// refused it as an outlier; several refusals in a row that agree with each other start the
+  /// refused it as an outlier; refusals that agree with each other for kLongest_s start the
   /// filter anew. Also false, and without effect, when a value is not finite or time does not
   /// increase.
   bool update(double time_s, const PoseEstimate& measurement) noexcept;
@@ -68,7 +68,6 @@ class HANDYAR_API PoseFilter {
 
  private:
   static constexpr int kLevels = 4;
-  static constexpr int kRestart = 3;  ///< agreeing refusals that start the filter anew
 
   struct Level {
     MotionState state;
@@ -78,7 +77,8 @@ class HANDYAR_API PoseFilter {
   HANDYAR_INTERNAL Eigen::Matrix<double, 6, 1> usual_speed() const noexcept;
   HANDYAR_INTERNAL void start(double time_s, const PoseEstimate& measurement) noexcept;
   HANDYAR_INTERNAL void mix(double dt_s) noexcept;
-  HANDYAR_INTERNAL bool refuse(double time_s, const PoseEstimate& measurement) noexcept;
+  HANDYAR_INTERNAL bool refuse(double time_s, double dt_s,
+                               const PoseEstimate& measurement) noexcept;
   HANDYAR_INTERNAL MotionState combined() const noexcept;
 
   PoseFilterConfig config_;
@@ -88,8 +88,7 @@ class HANDYAR_API PoseFilter {
   double accepted_time_s_ = 0;  ///< of the last accepted measurement
   std::array<Level, kLevels> levels_;
   Matrix6d lasting_ = Matrix6d::Zero();  ///< covariance of what does not change between frames
-  int refusals_ = 0;                     ///< in a row, that agree
-  double refused_time_s_ = 0;
+  double refused_s_ = 0;                 ///< for so long in a row, and in agreement
   PoseEstimate refused_;
 };
 

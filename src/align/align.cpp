@@ -199,7 +199,8 @@ Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearanc
     const bool choose = (i - first) % kChosenFor == 0;
     if (!impl_->step(frame, camera, appearance, prior, i, choose, a)) return a;
   }
-  a.valid = a.state.T_camera_hand.matrix().allFinite();
+  const Eigen::Isometry3d& T = a.state.T_camera_hand;
+  a.valid = T.matrix().allFinite() && T.translation().z() > kNearest_m;
   return a;
 }
 

@@ -126,8 +126,7 @@ std::array<Field, 6> PalmTexture::derivative(const Sight& sight, float gain,
 }
 
 bool PalmTexture::knows(Appearance appearance) const noexcept {
-  return frames_ > 0 && appearance.face == appearance_.face &&
-         appearance.layout == appearance_.layout;
+  return frames_ > 0 && appearance == appearance_;
 }
 
 Matrix6d PalmTexture::place_information(const Eigen::Isometry3d& T_camera_hand) const noexcept {

@@ -59,14 +59,13 @@ Silhouette::Silhouette(Appearance appearance, const HandState& state, const Hand
     : f_px_(view.f_px()) {
   const HandFigure figure = make_figure(state.figure, appearance.face, appearance.layout);
   const PosedFigure posed = pose_fingers(figure, state.posture);
-  for (int s = 0; s < kSphereCount; ++s) r_[s] = static_cast<float>(figure.radii_m[s]);
-  project(appearance, posed, state, view);
+  project(figure, posed, state, view);
   if (!valid_) return;
   add_capsules();
   add_sheets();
 }
 
-void Silhouette::project(Appearance appearance, const PosedFigure& posed, const HandState& state,
+void Silhouette::project(const HandFigure& figure, const PosedFigure& posed, const HandState& state,
                          const HandView& view) noexcept {
   const Eigen::Matrix3d R = state.T_camera_hand.linear();
   const Eigen::Vector3d t = state.T_camera_hand.translation();
@@ -79,7 +78,7 @@ void Silhouette::project(Appearance appearance, const PosedFigure& posed, const 
     r_[i] = static_cast<float>(f_px_ * radius_m * inverse);
   };
   for (int s = 0; s < kSphereCount; ++s) {
-    const double radius_m = r_[s];
+    const double radius_m = figure.radii_m[s];
     const Eigen::Vector3d turned = R * posed.centres_m.col(s);
     const Eigen::Vector3d p = view.R_view_camera() * (turned + t);
     disc(s, p, radius_m);
@@ -91,7 +90,7 @@ void Silhouette::project(Appearance appearance, const PosedFigure& posed, const 
     J_[s].middleCols<3>(3) = by_point;
     J_[s].col(6) = by_point * (R * posed.by_abduction_m.col(s));
     J_[s].col(7) = by_point * (R * posed.by_flexion_m.col(s));
-    const FigureDerivative by_figure = figure_derivative(s, appearance.face, appearance.layout);
+    const FigureDerivative by_figure = figure_derivative(s, figure.face, figure.layout);
     J_[s].rightCols<kFigureModes>() = by_point * R * by_figure.topRows<3>();
     J_[s].bottomRightCorner<1, kFigureModes>() += k * by_figure.bottomRows<1>();
   }
@@ -99,9 +98,11 @@ void Silhouette::project(Appearance appearance, const PosedFigure& posed, const 
     const int wrist = kWristThumb + k;
     const Eigen::Vector3d end = posed.centres_m.col(wrist) - Eigen::Vector3d(0, kForearm_m, 0);
     const Eigen::Vector3d p = view.R_view_camera() * (R * end + t);
-    const double radius_m = r_[wrist] * std::max(0.05, depth_m_) / f_px_;
+    const double radius_m = figure.radii_m[wrist];
     disc(kForearm + k,
-         p.z() > 2 * kNearest_m ? p : view.R_view_camera() * (R * posed.centres_m.col(wrist) + t),
+         p.z() > kNearest_m + radius_m
+             ? p
+             : view.R_view_camera() * (R * posed.centres_m.col(wrist) + t),
          radius_m);
   }
 }

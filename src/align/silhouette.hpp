@@ -94,7 +94,7 @@ class Silhouette {
   // Two spheres more than the figure: the forearm, which only hides.
   static constexpr int kDiscs = kSphereCount + 2;
 
-  void project(Appearance appearance, const PosedFigure& posed, const HandState& state,
+  void project(const HandFigure& figure, const PosedFigure& posed, const HandState& state,
                const HandView& view) noexcept;
   void add_capsules() noexcept;
   void add_sheets() noexcept;

@@ -29,10 +29,19 @@ constexpr ColorBin color_bin(std::uint16_t luma256, std::int16_t yellowness256,
                                ColorBin(level(yellowness256) << 5) | ColorBin(level(redness256)));
 }
 
+/// Luma, times 256, of a colour 0..255.
+constexpr std::uint16_t luma256_of_rgb(int r, int g, int b) noexcept {
+  return static_cast<std::uint16_t>(77 * r + 150 * g + 29 * b);
+}
+
+/// The same of luma as cameras deliver it, 16..235.
+constexpr std::uint16_t luma256_of_y(int y) noexcept {
+  return static_cast<std::uint16_t>(std::clamp(298 * (y - 16), 0, 65535));
+}
+
 /// Bin of a colour, 0..255.
 constexpr ColorBin bin_of_rgb(int r, int g, int b) noexcept {
-  return color_bin(static_cast<std::uint16_t>(77 * r + 150 * g + 29 * b),
-                   static_cast<std::int16_t>(43 * r + 85 * g - 128 * b),
+  return color_bin(luma256_of_rgb(r, g, b), static_cast<std::int16_t>(43 * r + 85 * g - 128 * b),
                    static_cast<std::int16_t>(128 * r - 107 * g - 21 * b));
 }
 
@@ -41,8 +50,7 @@ constexpr ColorBin bin_of_ycbcr(int y, int cb, int cr) noexcept {
   const auto chroma = [](int c) {
     return static_cast<std::int16_t>(std::clamp(291 * c, -32768, 32767));
   };
-  return color_bin(static_cast<std::uint16_t>(std::clamp(298 * (y - 16), 0, 65535)),
-                   chroma(128 - cb), chroma(cr - 128));
+  return color_bin(luma256_of_y(y), chroma(128 - cb), chroma(cr - 128));
 }
 
 }  // namespace handyar

@@ -85,14 +85,15 @@ class PixelReader {
             PixelGroup::Numbers& luma) const noexcept {
     const auto& [first, second, third] = group;
     if (bytes_ == 0) {
-      for (int i = 0; i < PixelGroup::kMost; ++i)
+      for (int i = 0; i < PixelGroup::kMost; ++i) {
         bins[i] = bin_of_ycbcr(first[i], second[i], third[i]);
-      luma = first;
+        luma[i] = luma256_of_y(first[i]) >> 8;
+      }
       return;
     }
     for (int i = 0; i < PixelGroup::kMost; ++i) {
       bins[i] = bin_of_rgb(first[i], second[i], third[i]);
-      luma[i] = static_cast<std::uint16_t>((77 * first[i] + 150 * second[i] + 29 * third[i]) >> 8);
+      luma[i] = luma256_of_rgb(first[i], second[i], third[i]) >> 8;
     }
   }
 
@@ -102,7 +103,9 @@ class PixelReader {
   }
   float luma(int x, int y) const noexcept {
     const auto [first, second, third] = numbers(x, y);
-    return bytes_ != 0 ? static_cast<float>(77 * first + 150 * second + 29 * third) / 256 : first;
+    return static_cast<float>(bytes_ != 0 ? luma256_of_rgb(first, second, third)
+                                          : luma256_of_y(first)) /
+           256;
   }
 
   HANDYAR_ALWAYS_INLINE std::tuple<std::uint8_t, std::uint8_t, std::uint8_t> numbers(

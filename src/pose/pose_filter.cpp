@@ -107,7 +107,7 @@ PoseFilter::PoseFilter(const PoseFilterConfig& config) noexcept
 
 void PoseFilter::reset() noexcept {
   running_ = false;
-  refusals_ = 0;
+  refused_s_ = 0;
 }
 
 /// What a hand that speeds up as hard as is expected reaches.
@@ -125,7 +125,7 @@ void PoseFilter::start(double time_s, const PoseEstimate& m) noexcept {
   lasting_ = m.covariance - fresh_covariance(m);
   time_s_ = accepted_time_s_ = time_s;
   running_ = true;
-  refusals_ = 0;
+  refused_s_ = 0;
 }
 
 /// What each level starts from: the states of all, weighted by how probable a change to it is.
@@ -192,7 +192,7 @@ bool PoseFilter::update(double time_s, const PoseEstimate& m) noexcept {
     log_likelihood[j] = -0.5 * (distance2 + log_det);
     least_distance2 = std::min(least_distance2, distance2);
   }
-  if (!(least_distance2 < gate_)) return refuse(time_s, m);
+  if (!(least_distance2 < gate_)) return refuse(time_s, dt_s, m);
 
   const double best = *std::ranges::max_element(log_likelihood);
   double sum = 0;
@@ -209,28 +209,24 @@ bool PoseFilter::update(double time_s, const PoseEstimate& m) noexcept {
   for (Level& level : levels_) level.probability = std::max(level.probability / sum, 1e-9);
   lasting_ = m.covariance - fresh_covariance(m);
   accepted_time_s_ = time_s;
-  refusals_ = 0;
+  refused_s_ = 0;
   return true;
 }
 
-/// Counts refusals that a moving hand could explain; enough of them are the truth.
-bool PoseFilter::refuse(double time_s, const PoseEstimate& m) noexcept {
-  if (refusals_ > 0) {
+/// Refusals that a moving hand could explain are the truth after a while, to the nearest frame.
+bool PoseFilter::refuse(double time_s, double dt_s, const PoseEstimate& m) noexcept {
+  if (refused_s_ > 0) {
     const Vector6d y = innovation(Eigen::Quaterniond(refused_.T_camera_hand.linear()),
                                   refused_.T_camera_hand.translation(), m);
-    const double dt_s = time_s - refused_time_s_;
     Matrix6d S = noise_of(refused_) + noise_of(m);
     S.diagonal() += (usual_speed() * dt_s).cwiseAbs2();
-    if (!(y.dot(S.ldlt().solve(y)) < gate_)) refusals_ = 0;
+    if (!(y.dot(S.ldlt().solve(y)) < gate_)) refused_s_ = 0;
   }
-  ++refusals_;
+  refused_s_ += dt_s;
   refused_ = m;
-  refused_time_s_ = time_s;
-  if (refusals_ >= kRestart) {
-    start(time_s, m);
-    return true;
-  }
-  return false;
+  if (refused_s_ + dt_s / 2 < kLongest_s) return false;
+  start(time_s, m);
+  return true;
 }
 
 MotionState PoseFilter::combined() const noexcept {

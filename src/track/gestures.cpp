@@ -46,10 +46,6 @@ constexpr int kThumb = 0;
 // like that with no posture that fits, then it is given up. Fingers on their way pull the figure
 // along within frames: of `gesture` the palm strays by 10 px at most, by 16 where it is held still.
 constexpr double kWhile_s = 0.3;
-// Only of hands that usually explain this much (nats) is it told what they do: of less, one that is
-// turned away or blurred cannot be told from a fist (clips of webcams: 790 instead of 810 of 974
-// open frames right, at no least).
-constexpr double kLeastUsual = 18;
 
 /// Nearly all of it is there: a hand that turns its edge leaves a part of its palm.
 bool is_whole(const std::optional<double>& share) { return share && *share > 1 - kThere; }
@@ -168,8 +164,10 @@ void Gestures::lead(Gesture posture, double dt_s) noexcept {
   unclear_s_ = 0;
   // For as long as a hand may go on as it went: no single frame says it.
   if (posture == gesture_ || leads_s_ < kLongest_s) return;
+  event_ = posture == Gesture::fist    ? GestureEvent::grab
+           : gesture_ == Gesture::fist ? GestureEvent::release
+                                       : GestureEvent::click;
   gesture_ = posture;
-  event_ = posture == Gesture::fist ? GestureEvent::grab : GestureEvent::click;
 }
 
 void Gestures::update(const ImageView& frame, const Camera& camera, const Hypothesis* tracked,
@@ -181,7 +179,10 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Hypoth
     remember(*tracked, dt_s);
     return;
   }
-  if (usual_ratio_ < kLeastUsual) return;
+  // Only of hands that usually say as much as a frame can is it told what they do: of less, one
+  // that is turned away or blurred cannot be told from a fist (clips of webcams: 790 instead of 810
+  // of 974 open frames right, at no least).
+  if (config.belief.says(usual_ratio_) < config.belief.most_frame()) return;
   watches_ = true;
   lay(frame, camera, dt_s, config, aligner);
   const Gesture posture = choose(tracked, frame, camera, config, aligner);

@@ -20,6 +20,9 @@ class Gestures {
   void update(const ImageView& frame, const Camera& camera, const Hypothesis* tracked, double dt_s,
               const TrackerConfig& config, Aligner& aligner) noexcept;
 
+  /// Of another hand nothing is known.
+  void forget() noexcept;
+
   /// What the hand does, once it did so for a while.
   Gesture gesture() const noexcept { return gesture_; }
   /// What this frame completed.
@@ -52,7 +55,6 @@ class Gestures {
   /// The palm goes on as it went.
   void go_on(double dt_s) noexcept;
   void open() noexcept;
-  void forget() noexcept;
   void lay(const ImageView& frame, const Camera& camera, double dt_s, const TrackerConfig& config,
            Aligner& aligner) noexcept;
   /// The posture that explains the picture; open where none does surely.

@@ -59,6 +59,7 @@ void Hypotheses::resume(const Hypothesis& hypothesis) noexcept {
   items_[0] = hypothesis;
   items_[0].log_weight = 0;
   items_[0].liveliness = 1;
+  items_[0].fingers.reset();
 }
 
 void Hypotheses::keep_distinct(const Hypothesis& h, const BeliefConfig& belief) noexcept {
@@ -69,7 +70,7 @@ void Hypotheses::keep_distinct(const Hypothesis& h, const BeliefConfig& belief) 
   Hypothesis* const end = items_.data() + count_;
   Hypothesis* rival = std::find_if(items_.data(), end, [&](const Hypothesis& other) {
     const HandVector apart = h.alignment.state.difference(other.alignment.state);
-    return other.appearance.face == h.appearance.face && apart.head<3>().norm() < belief.doubt_rad;
+    return other.appearance == h.appearance && apart.head<3>().norm() < belief.doubt_rad;
   });
   if (rival == end && count_ < kMost) {
     items_[count_++] = h;

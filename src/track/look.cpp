@@ -49,10 +49,9 @@ void HandTracker::Impl::find(const ImageView& frame) noexcept {
 
 void HandTracker::Impl::look(const ImageView& frame) noexcept {
   const BeliefConfig& limits = config.belief;
+  if (seen.gestures.folded()) return;  // it opens without the finder
   const bool had = has_hand();
-  const bool folded = seen.gestures.gesture() != Gesture::open;
-  const bool sure =
-      folded || (holds_hand() && seen.state == State::tracking && !seen.read_otherwise);
+  const bool sure = holds_hand() && seen.state == State::tracking && !seen.read_otherwise;
   const double since_s = seen.time_s - seen.looked_s;
   if ((sure && since_s < limits.same_s) || (!had && !may_search())) return;
   seen.looked_s = seen.time_s;
@@ -88,9 +87,7 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     const Alignment& best = fresh.best().alignment;
     // Where an open hand may be folding, only another one is taken that is as good, and none where
     // it is: with colours learned from what lies there a missing thumb looks as good as any.
-    if (seen.gestures.watches() &&
-        (seen.gestures.folded() || !seen.gestures.fits(best, config.belief)))
-      continue;
+    if (seen.gestures.watches() && !seen.gestures.fits(best, config.belief)) continue;
     const bool whole = is_whole(fresh.best(), frame, scout);
     // Of two readings of one hand the picture decides, of two hands the one that is believed more.
     const bool better = reading == Reading::otherwise
@@ -112,8 +109,10 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     const bool comes_back = seen.state == State::lost && fresh.may_be(side_of(seen.own));
     seen.own = fresh.best().appearance;
     if (seen.state == State::tracking) seen.changed_s = seen.time_s;
-    if (reading == Reading::elsewhere)
+    if (reading == Reading::elsewhere) {
       seen.belief = candidate.log_odds + (comes_back ? config.belief.believe : 0);
+      seen.gestures.forget();
+    }
     return;
   }
 }

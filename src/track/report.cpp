@@ -8,8 +8,8 @@ namespace handyar {
 namespace {
 
 bool inside(const Eigen::Vector2d& px, const Camera& camera) {
-  return px.x() >= 0 && px.y() >= 0 && px.x() <= camera.width_px - 1 &&
-         px.y() <= camera.height_px - 1;
+  return px.x() >= -0.5 && px.y() >= -0.5 && px.x() < camera.width_px - 0.5 &&
+         px.y() < camera.height_px - 0.5;
 }
 
 /// Where a point of the hand lies in the frame.
@@ -17,7 +17,7 @@ Tip shown(const Eigen::Vector3d& p_hand, const Eigen::Isometry3d& T_camera_hand,
           const Camera& camera) {
   const Eigen::Vector3d p = T_camera_hand * p_hand;
   Tip tip;
-  if (p.z() < 1e-3) return tip;
+  if (p.z() < kNearest_m) return tip;
   tip.px = camera.project(p);
   tip.seen = inside(tip.px, camera);
   tip.inferred = !tip.seen;

@@ -14,7 +14,7 @@ RoughFingers rough_fingers(const HandCandidate& candidate) noexcept {
     fingers.tips_px[f] = candidate.tips_px[f].cast<double>();
     fingers.roots_px[f] = candidate.roots_px[f].cast<double>();
   }
-  fingers.sigma_px = std::max(1.0, static_cast<double>(candidate.tip_sigma_px()));
+  fingers.sigma_px = candidate.tip_sigma_px();
   return fingers;
 }
 

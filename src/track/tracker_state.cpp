@@ -56,7 +56,6 @@ FrameStatus HandTracker::Impl::admit(const ImageView& frame, double time_s) noex
   if (frame.width_px != camera.width_px || frame.height_px != camera.height_px) {
     camera = calibrated_camera.scaled_to(frame.width_px, frame.height_px);
     seen.hypotheses.clear();
-    seen.gestures = {};
     seen.belief = seen.lately = 0;
   }
   return FrameStatus::ok;

@@ -57,6 +57,8 @@ struct HandPrior {
 struct Appearance {
   Face face = Face::palm;
   Layout layout = Layout::thumb_right;
+
+  bool operator==(const Appearance&) const = default;
 };
 
 /// Which hand of a person shows it.
