@@ -152,7 +152,10 @@ export function writeCamera(struct, camera) {
   struct.setInt('height_px', camera.height_px);
   struct.setInt('assumed', camera.assumed ? 1 : 0);
   for (const field of ['fx_px', 'fy_px', 'cx_px', 'cy_px']) struct.setDoubles(field, [camera[field]]);
-  struct.setDoubles('distortion', camera.distortion);
+  // The struct has room for five; who states more of zero means the same.
+  if (camera.distortion.slice(5).some((k) => k !== 0))
+    throw new Error('handyar: distortion: k1, k2, p1, p2, k3 are taken, of more only zeros');
+  struct.setDoubles('distortion', camera.distortion.slice(0, 5));
 }
 
 export function writeHand(struct, hand) {

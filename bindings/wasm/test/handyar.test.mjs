@@ -87,6 +87,16 @@ test('another camera begins anew, unless its pictures have another shape', async
   assert.ok(tracker.process(picture(640, 480), 2).camera_assumed);
 });
 
+test('a camera has five numbers of distortion, and more only of zero', async () => {
+  const camera = readCamera(camera_text);
+  const bent = async (...more) => {
+    const distortion = [-0.2, 0.05, 0, 0, 0.01, ...more];
+    return (await HandTracker.create({ camera: { ...camera, distortion } })).process(picture(640, 480), 0);
+  };
+  await assert.rejects(bent(0.1, 0, 0), /k1, k2, p1, p2, k3/);
+  assert.equal((await bent(0, 0, 0)).camera_assumed, false);
+});
+
 test('a camera file is read, and its faults are named', () => {
   const camera = readCamera(camera_text);
   assert.deepEqual([camera.width_px, camera.fx_px, camera.cy_px, camera.assumed], [640, 618, 236.94, false]);
