@@ -54,6 +54,43 @@ TEST_F(RendererTest, APartBelowTheHandIsHiddenAndAPartAboveIsSeen) {
   EXPECT_EQ(at(out, T * Vector3d(0, near_face, -0.03)), kSkin);
 }
 
+TEST_F(RendererTest, WhatLiesFlatOnTheHandIsSeen) {
+  hand_covers({0, 0, 640, 480});
+  Model card = cube();
+  for (Vertex& v : card.meshes[0].vertices) v.position.z() *= 0.001f;  // at 6 cm: 0.06 mm thick
+  const Isometry3d T = hand_at(0.45);
+  Instance instance = red(T);
+  const cv::Vec3b full = at(drawn(red(raised(T, {0, 0, 0.01})), T), T * Vector3d(0, 0, 0.04));
+  instance.model = renderer.add(card);
+  const cv::Vec3b seen = at(drawn(instance, T), T * Vector3d::Zero());
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[c], full[c], 10);
+}
+
+TEST_F(RendererTest, RoughMetalIsAsBrightAsChalkOfItsColour) {
+  const Isometry3d T = hand_at(0.45);
+  double seen[2];
+  for (const int metal : {0, 1}) {
+    Model model = cube();
+    model.meshes[0].material.roughness = 1;
+    model.meshes[0].material.metallic = static_cast<float>(metal);
+    Instance instance = red(T);
+    instance.colour = {1, 1, 1};
+    instance.model = renderer.add(model);
+    seen[metal] = at(drawn(instance, T), T * Vector3d(0, 0, 0.06))[1];
+  }
+  EXPECT_NEAR(seen[1], seen[0], 0.1 * seen[0]);
+}
+
+TEST_F(RendererTest, ATextureLargerThanTheCardTakesIsShrunk) {
+  Model model = cube();
+  model.meshes[0].material.texture = cv::Mat(1, 40000, CV_8UC4, cv::Scalar(255, 0, 0, 255));
+  const Isometry3d T = hand_at(0.45);
+  Instance instance = red(T);
+  instance.colour = {1, 1, 1};
+  instance.model = renderer.add(model);
+  EXPECT_TRUE(is_red(at(drawn(instance, T), T * Vector3d(0, 0, 0.06))));
+}
+
 TEST_F(RendererTest, NothingShinesThroughAHandSeenFromBehind) {
   hand_covers({220, 140, 200, 300});
   Isometry3d T = hand_at(0.45);

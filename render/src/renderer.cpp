@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -43,7 +44,12 @@ void upload(GLuint texture, int unit, GLint internal, int width, int height, GLe
 using SharedTexture = std::shared_ptr<const gl::Texture>;
 
 SharedTexture uploaded(const cv::Mat& picture) {
-  const cv::Mat rgba = picture.isContinuous() ? picture : picture.clone();
+  GLint most_px = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most_px);
+  cv::Mat rgba = picture.isContinuous() ? picture : picture.clone();
+  if (std::max(rgba.cols, rgba.rows) > most_px)
+    cv::resize(picture, rgba, {std::min(rgba.cols, most_px), std::min(rgba.rows, most_px)}, 0, 0,
+               cv::INTER_AREA);
   auto texture = std::make_shared<gl::Texture>();
   upload(*texture, 0, GL_RGBA8, rgba.cols, rgba.rows, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
   for (GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})

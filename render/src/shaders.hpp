@@ -47,7 +47,7 @@ float seen_past_hand(vec3 p) {
   float fall_m = finger_radius_m * (1.0 - sqrt(1.0 - inside * inside));
   float z_m = dot(hand_normal, p) - hand_offset_m;
   float above_m = fall_m + (hand_offset_m < 0.0 ? z_m : -z_m - 2.0 * finger_radius_m);
-  return 1.0 - here.r * smoothstep(0.0015, -0.0005, above_m);
+  return 1.0 - here.r * (1.0 - smoothstep(-0.002, 0.0, above_m));  // what lies on it is seen
 }
 )";
 
@@ -105,8 +105,10 @@ void main() {
   vec3 normal = normalize(n);
   if (dot(normal, view) < 0.0) normal = -normal;  // surfaces have two sides
 
-  vec3 specular = mix(vec3(0.04), base.rgb, metallic);
-  vec3 diffuse = base.rgb * (1.0 - metallic);
+  // Rough metal mirrors so much of the room at once that it looks like chalk of its colour.
+  float mirrors = metallic * (1.0 - roughness * roughness);
+  vec3 specular = mix(vec3(0.04), base.rgb, mirrors);
+  vec3 diffuse = base.rgb * (1.0 - mirrors);
   float n_l = dot(normal, key_direction);
   // Wrapped a little: rooms have no point lights.
   float lit = max((n_l + 0.25) / 1.25, 0.0) * mix(0.45, 1.0, open);
