@@ -87,6 +87,19 @@ TEST_F(GltfFile, OnlyAMaterialThatSaysSoHasHolesWhereItsTextureHas) {
   }
 }
 
+TEST_F(GltfFile, AMaterialWithHolesStatesWhereTheyBegin) {
+  write_picture("a.png", {10, 20, 30, 100});
+  for (const auto& [cutoff, is_hole] : {std::pair{"", true},
+                                        {R"(, "alphaCutoff": 0.3)", false},
+                                        {R"(, "alphaCutoff": 0.6)", true},
+                                        {R"(, "alphaCutoff": 0)", false}}) {
+    const Model model = read(kTextured + R"(, "alphaMode": "MASK")" + cutoff + "}", kAtCoordinates);
+    const cv::Vec4b pixel = model.meshes.at(0).material.texture.at<cv::Vec4b>(0, 0);
+    EXPECT_EQ(pixel[3] < 128, is_hole) << cutoff;
+    EXPECT_EQ(pixel[0], 30);
+  }
+}
+
 // By the extension's own example: a quarter of the picture, turned by 90 degrees.
 TEST_F(GltfFile, TextureLiesAsItsTransformSays) {
   write_picture("a.png", {10, 20, 30, 255});
@@ -101,6 +114,16 @@ TEST_F(GltfFile, TextureLiesAsItsTransformSays) {
     const Eigen::Vector2f turns = uv - expected[i];
     EXPECT_NEAR((turns - turns.array().round().matrix()).norm(), 0, 1e-5) << uv.transpose();
   }
+}
+
+TEST_F(GltfFile, ATextureOfTheOlderWayLiesAsItsTransformSaysToo) {
+  write_picture("a.png", {10, 20, 30, 255});
+  const Model model = read(R"({"extensions": {"KHR_materials_pbrSpecularGlossiness":
+      {"diffuseTexture": {"index": 0, "extensions": {
+        "KHR_texture_transform": {"scale": [0.5, 0.25]}}}}}})",
+                           kAtCoordinates);
+  EXPECT_TRUE(model.meshes.at(0).vertices.at(1).uv.isApprox(Eigen::Vector2f(0.5f, 0)));
+  EXPECT_TRUE(model.meshes[0].vertices.at(2).uv.isApprox(Eigen::Vector2f(0, 0.25f)));
 }
 
 TEST_F(GltfFile, RoughnessAndMetalAreThoseOfTheTextureInTheMean) {
@@ -149,7 +172,10 @@ TEST_F(GltfFile, ATextureLiesWhereTheCoordinatesThatItNamesHaveIt) {
     return model.meshes.at(0).vertices.at(2).uv;
   };
   EXPECT_TRUE(third_corner("").isApprox(Eigen::Vector2f(0, 1)));
-  EXPECT_TRUE(third_corner(R"(, "texCoord": 1)").isApprox(Eigen::Vector2f(0.5, 0.5)));
+  const Eigen::Vector2f other(0.5, 0.5);
+  EXPECT_TRUE(third_corner(R"(, "texCoord": 1)").isApprox(other));
+  const std::string by = R"(, "extensions": {"KHR_texture_transform": {"texCoord": 1}})";
+  EXPECT_TRUE(third_corner(by).isApprox(other));
 }
 
 TEST_F(GltfFile, CornersThatLieTogetherFollowTheirOwnBones) {

@@ -109,6 +109,26 @@ TEST_F(ModelFile, ReadsAnObjWithItsTexture) {
     EXPECT_NEAR(v.uv.y(), v.position.z() > 1 ? 0 : 1, 1e-5);
 }
 
+TEST_F(ModelFile, FindsATextureThatWindowsNamed) {
+  std::filesystem::create_directory(folder_ / "pictures");
+  cv::imwrite((folder_ / "pictures/t.png").string(), cv::Mat(2, 2, CV_8UC3, cv::Scalar(0, 0, 255)));
+  write("m.mtl", "newmtl skin\nmap_Kd pictures\\t.png\n");
+  const std::string path = write("m.obj",
+                                 "mtllib m.mtl\nv 0 0 0\nv 2 0 0\nv 2 3 0\nvt 0 0\nvt 1 0\n"
+                                 "vt 1 1\nusemtl skin\nf 1/1 2/2 3/3\n");
+  EXPECT_FALSE(load_model(path).meshes.at(0).material.texture.empty());
+}
+
+TEST_F(ModelFile, NormalsWithoutALengthAreNone) {
+  const Model model = load_model(
+      write("m.stl",
+            "solid m\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+            "endloop\nendfacet\nendsolid m\n"));
+  ASSERT_EQ(model.meshes.at(0).vertices.size(), 3u);
+  for (const Vertex& v : model.meshes[0].vertices)
+    EXPECT_TRUE(v.normal.isApprox(Eigen::Vector3f::UnitX(), 1e-5f)) << v.normal.transpose();
+}
+
 TEST_F(ModelFile, ReadsAPlyWithColours) {
   const std::string path =
       write("m.ply",
@@ -197,6 +217,7 @@ TEST_F(ModelFile, RefusesABrokenGltf) {
       "skins")";
   EXPECT_EQ(complaint_of(asset, nested(50)), "");
   EXPECT_EQ(complaint_of(end, chain(200, "")), "");
+  EXPECT_EQ(complaint_of(asset, R"("extensionsRequired": ["KHR_materials_unlit"], "asset")"), "");
   const struct {
     std::string before, after, fault;
   } broken[] = {
@@ -209,6 +230,12 @@ TEST_F(ModelFile, RefusesABrokenGltf) {
       {end, chain(300, R"("children": [3])"), "in a ring"},
       {times, R"("count": 1, "type": "MAT4")", "fewer inverseBindMatrices than joints"},
       {times, R"("count": 2, "type": "VEC4")", "fewer inverseBindMatrices than joints"},
+      {asset, R"("extensionsRequired": ["KHR_mesh_quantization"], "asset")",
+       "needs KHR_mesh_quantization, which is not read"},
+      {R"("bufferView": 0, "componentType": 5126)", R"("bufferView": 0, "componentType": 5122)",
+       "states its POSITION in whole numbers"},
+      {R"("bufferView": 2, "componentType": 5126)", R"("bufferView": 2, "componentType": 5122)",
+       "states its output in whole numbers"},
       {R"("byteLength": 256)", R"("byteLength": 0)", "out of range"},
       {"moving.bin", "data:application/octet-stream;base64,", "expected 256 bytes, but found 0"},
       {R"("target": {"node": 2)", R"("target": {"node": 7)", "out of bounds"},

@@ -24,7 +24,7 @@ class Reader {
  public:
   explicit Reader(const std::filesystem::path& path) : path_(path.string()) {}
 
-  std::vector<Eigen::Affine2f> check(std::string_view text) const {
+  std::vector<TextureTransform> check(std::string_view text) const {
     bool deep = false;
     const auto look = [&](int depth, Json::parse_event_t, const Json&) {
       deep = deep || depth > kDeepestJson;
@@ -33,10 +33,17 @@ class Reader {
     try {
       const Json root = Json::parse(text, look);
       if (deep) fail("its JSON is nested too deeply");
+      for (const Json& extension : list(root, "extensionsRequired")) check_extension(extension);
+      for (const Json& mesh : list(root, "meshes"))
+        for (const Json& primitive : list(mesh, "primitives"))
+          check_corners(primitive, list(root, "accessors"));
+      if (const Json& animations = list(root, "animations"); !animations.empty())
+        for (const Json& sampler : list(animations[0], "samplers"))
+          require_floats(sampler, "output", list(root, "accessors"));
       check_nodes(list(root, "nodes"));
       for (const Json& skin : list(root, "skins")) check_skin(skin, list(root, "accessors"));
       for (const Json& image : list(root, "images")) check_image(image);
-      std::vector<Eigen::Affine2f> laid;
+      std::vector<TextureTransform> laid;
       for (const Json& material : list(root, "materials")) laid.push_back(laid_by(material));
       return laid;
     } catch (const Json::exception& e) {
@@ -66,6 +73,31 @@ class Reader {
     static const Json none = Json::array();
     const auto found = in.find(key);
     return found != in.end() && found->is_array() ? *found : none;  // in glTF 1 some are objects
+  }
+
+  /// Without those that tell how materials answer light, shape and pictures are right all the same.
+  void check_extension(const Json& name) const {
+    const std::string extension = name.get<std::string>();
+    if (extension.starts_with("KHR_materials_") || extension == "KHR_lights_punctual" ||
+        extension == "KHR_texture_transform")
+      return;
+    fail("needs " + extension + ", which is not read");
+  }
+
+  /// assimp takes all numbers for floats.
+  void require_floats(const Json& in, const std::string& key, const Json& accessors) const {
+    constexpr int kFloat = 5126;
+    const auto which = in.find(key);
+    if (which == in.end() || !which->is_number_unsigned() || *which >= accessors.size()) return;
+    if (accessors[which->get<std::size_t>()].value("componentType", kFloat) != kFloat)
+      fail("states its " + key + " in whole numbers, which are not read");
+  }
+
+  void check_corners(const Json& primitive, const Json& accessors) const {
+    const auto attributes = primitive.find("attributes");
+    if (attributes == primitive.end()) return;
+    for (const char* const key : {"POSITION", "NORMAL", "TEXCOORD_0", "TEXCOORD_1"})
+      require_floats(*attributes, key, accessors);
   }
 
   void check_nodes(const Json& nodes) const {
@@ -102,19 +134,23 @@ class Reader {
       fail("has an image whose mimeType is \"" + kind + "\"");
   }
 
-  /// By the transform of the texture that colours a material (KHR_texture_transform).
-  static Eigen::Affine2f laid_by(const Json& material) {
-    static const Json::json_pointer kWhere(
-        "/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform");
-    Eigen::Affine2f laid = Eigen::Affine2f::Identity();
-    if (!material.contains(kWhere)) return laid;
-    const Json& by = material[kWhere];
+  /// Of the texture that colours a material (KHR_texture_transform).
+  static TextureTransform laid_by(const Json& material) {
+    using Where = Json::json_pointer;
+    static const Where kColour("/pbrMetallicRoughness/baseColorTexture"),
+        kDiffuse("/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture"),
+        kTransform("/extensions/KHR_texture_transform");
+    const Where where = (material.contains(kColour) ? kColour : kDiffuse) / kTransform;
+    TextureTransform transform;
+    if (!material.contains(where)) return transform;
+    const Json& by = material[where];
     using Pair = std::array<float, 2>;
     const Pair offset = by.value("offset", Pair{0, 0}), scale = by.value("scale", Pair{1, 1});
-    laid.translate(Eigen::Vector2f(offset[0], offset[1]));
-    laid.rotate(-by.value("rotation", 0.0f));  // stated as seen with v downwards
-    laid.scale(Eigen::Vector2f(scale[0], scale[1]));
-    return laid;
+    transform.laid.translate(Eigen::Vector2f(offset[0], offset[1]));
+    transform.laid.rotate(-by.value("rotation", 0.0f));  // stated as seen with v downwards
+    transform.laid.scale(Eigen::Vector2f(scale[0], scale[1]));
+    if (by.contains("texCoord")) transform.coordinates = by["texCoord"].get<unsigned>();
+    return transform;
   }
 
   std::string path_;
@@ -122,7 +158,7 @@ class Reader {
 
 }  // namespace
 
-std::vector<Eigen::Affine2f> read_gltf(const std::filesystem::path& path) {
+std::vector<TextureTransform> read_gltf(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   const int first = (file >> std::ws).peek();
   if (first != '{' && first != 'g') return {};

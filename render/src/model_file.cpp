@@ -112,8 +112,13 @@ cv::Mat read_texture(const aiScene& scene, const aiMaterial& material, const fs:
   const auto texture = colour_texture_of(material);
   if (!texture) return {};
   cv::Mat rgba = read_picture(scene, texture->file, model);
-  // What lies in the alpha of an opaque material means nothing.
-  if (gltf_mode(material) == "OPAQUE") rgba |= cv::Scalar(0, 0, 0, 255);
+  const std::string mode = gltf_mode(material);
+  float cutoff = 0;
+  if (mode == "MASK") material.Get(AI_MATKEY_GLTF_ALPHACUTOFF, cutoff);
+  if (cutoff > 0)  // what draws it has holes where alpha is below a half
+    cv::multiply(rgba, cv::Scalar(1, 1, 1, 0.5 / cutoff), rgba);
+  else if (mode == "OPAQUE" || mode == "MASK")  // what lies in alpha means nothing
+    rgba |= cv::Scalar(0, 0, 0, 255);
   return rgba;
 }
 
@@ -152,17 +157,18 @@ Material read_material(const aiScene& scene, const aiMaterial& in, const fs::pat
   return out;
 }
 
-Mesh read_mesh(const aiMesh& in, const aiMaterial& material, const Eigen::Affine2f& laid,
+Mesh read_mesh(const aiMesh& in, const aiMaterial& material, const TextureTransform& by,
                const Mesh::Moment& first) {
   Mesh out;
   const bool linear = !gltf_mode(material).empty();
-  const unsigned coordinates = colour_texture_of(material).value_or(ColourTexture{}).coordinates;
+  const unsigned coordinates =
+      by.coordinates.value_or(colour_texture_of(material).value_or(ColourTexture{}).coordinates);
   for (unsigned i = 0; i < in.mNumVertices; ++i) {
     Vertex v{first.positions[i], first.normals[i]};
     if (in.HasVertexColors(0)) v.colour = srgb(in.mColors[0][i], linear);
     if (in.HasTextureCoords(coordinates))
-      v.uv = laid * Eigen::Vector2f(in.mTextureCoords[coordinates][i].x,
-                                    in.mTextureCoords[coordinates][i].y);
+      v.uv = by.laid * Eigen::Vector2f(in.mTextureCoords[coordinates][i].x,
+                                       in.mTextureCoords[coordinates][i].y);
     out.vertices.push_back(v);
   }
   for (unsigned i = 0; i < in.mNumFaces; ++i) {
@@ -208,6 +214,15 @@ bool has_broken_face(const aiScene& scene) {
   return false;
 }
 
+// Some programs write normals without having any: assimp is to make its own.
+bool has_null_normals(const aiScene& scene) {
+  const auto is_null = [](const aiVector3D& normal) { return normal.SquareLength() == 0; };
+  return std::any_of(scene.mMeshes, scene.mMeshes + scene.mNumMeshes, [&](const aiMesh* mesh) {
+    const aiVector3D* const first = mesh->mNormals;
+    return first != nullptr && std::all_of(first, first + mesh->mNumVertices, is_null);
+  });
+}
+
 bool has_bones(const aiScene& scene) {
   return std::any_of(scene.mMeshes, scene.mMeshes + scene.mNumMeshes,
                      [](const aiMesh* mesh) { return mesh->HasBones(); });
@@ -230,18 +245,20 @@ bool all_finite(const Model& model) {
 Model load_model(const fs::path& path) {
   if (!std::ifstream(path)) fail(path, "no such model (a file, or one of: teapot, bunny)");
   if (is_ply_cut_short(path)) fail(path, "breaks off: its header states more than there is");
-  const std::vector<Eigen::Affine2f> laid = read_gltf(path);
+  const std::vector<TextureTransform> laid = read_gltf(path);
   Assimp::Importer importer;
   importer.SetIOHandler(new Files);  // which it deletes
   // Points and lines have no surface: they are dropped.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS);
   const aiScene* scene = importer.ReadFile(path.string(), 0);
   if (scene && has_broken_face(*scene)) fail(path, "has a face with a corner that is not there");
   unsigned steps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
                    aiProcess_FlipUVs | aiProcess_FindDegenerates;
   // Of corners that it joins assimp adds up the weights that bones have on them.
   if (scene && !has_bones(*scene)) steps |= aiProcess_JoinIdenticalVertices;
+  if (scene && has_null_normals(*scene)) steps |= aiProcess_RemoveComponent;
   if (scene) scene = importer.ApplyPostProcessing(steps);
   if (!scene) fail(path, "cannot be read as a model: " + first_line(importer.GetErrorString()));
   std::vector<Use> uses;
@@ -252,9 +269,9 @@ Model load_model(const fs::path& path) {
   for (const auto& [mesh, node] : uses) {
     const aiMaterial& material = *scene->mMaterials[mesh->mMaterialIndex];
     const unsigned which = mesh->mMaterialIndex;
-    model.meshes.push_back(
-        read_mesh(*mesh, material, which < laid.size() ? laid[which] : Eigen::Affine2f::Identity(),
-                  moment(*mesh, *node, first)));
+    model.meshes.push_back(read_mesh(*mesh, material,
+                                     which < laid.size() ? laid[which] : TextureTransform{},
+                                     moment(*mesh, *node, first)));
     const auto [known, is_new] = materials.try_emplace(&material);
     if (is_new) known->second = read_material(*scene, material, path);
     model.meshes.back().material = known->second;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "uri.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 
 namespace handyar::render {
+namespace {
 
-std::string file_named(const std::string& name) {
-  std::error_code ignored;
-  if (std::filesystem::exists(name, ignored)) return name;
+std::string decoded(const std::string& name) {
   std::string file;
   for (std::size_t i = 0; i < name.size(); ++i) {
     unsigned byte = 0;
@@ -19,6 +19,17 @@ std::string file_named(const std::string& name) {
     if (escaped) i += 2;
   }
   return file;
+}
+
+}  // namespace
+
+std::string file_named(const std::string& name) {
+  std::error_code ignored;
+  std::string windows = name;
+  std::replace(windows.begin(), windows.end(), '\\', '/');
+  for (const std::string& file : {name, windows})
+    if (std::filesystem::exists(file, ignored)) return file;
+  return decoded(name);
 }
 
 }  // namespace handyar::render
