@@ -2,6 +2,7 @@
 // What is common to all commands: usage, help, faults, and what is remembered.
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include "command_line.hpp"
@@ -168,6 +169,27 @@ TEST_F(CliTest, SetupRemembersTheHandForWhenNoneIsGiven) {
   EXPECT_EQ(run("setup " + kVideo).code, 2) << "a file is no camera";
   EXPECT_EQ(run("setup --forget").out, "camera       none\ncalibration  none\nhand         none\n");
   EXPECT_FALSE(fs::exists(root_ / "config/handyar"));
+}
+
+TEST_F(CliTest, SetupForgetsNothingBeforeAllIsKnownToBeGood) {
+  const std::string camera = " --camera " + kData + "/compare/camera.yml";
+  ASSERT_EQ(run("setup" + camera + " --hand " + kData + "/compare/hand.json").code, 0);
+  const std::string before = run("setup").out;
+  const std::string other = " --camera " + kData + "/sample/camera.yml";
+  const std::string held = contents(root_ / "config/handyar/camera.yml");
+  for (const auto& [arguments, code] :
+       std::map<std::string, int>{{"--forget --hand " + in("no.json"), 1},
+                                  {"--forget --span-mm 190", 2},
+                                  {"--forget " + in("no.mp4"), 1},
+                                  {"--forget " + kVideo, 2},
+                                  {other + " --hand " + in("no.json"), 1}}) {
+    EXPECT_EQ(run("setup " + arguments).code, code) << arguments;
+    EXPECT_EQ(run("setup").out, before) << arguments;
+    EXPECT_EQ(contents(root_ / "config/handyar/camera.yml"), held) << arguments;
+  }
+  EXPECT_EQ(run("setup --forget" + other).code, 0);
+  const std::string after = run("setup").out;
+  EXPECT_NE(after.find("hand         none"), std::string::npos) << after;
 }
 
 TEST_F(CliTest, CameraSettingsAreForCameras) {

@@ -189,9 +189,8 @@ int calibrate(const CalibrateRun& run) {
   const io::SourceInfo& info = source->info();
   for (const std::string& out : {run.camera_out, run.hand_out, run.picture_out})
     if (!out.empty()) io::require_writable(out);
-  const std::string camera_file = run.assume_camera && run.camera_file.empty() && info.live
-                                      ? remembered().camera_file
-                                      : run.camera_file;
+  const std::string camera_file =
+      run.camera_file.empty() && info.live ? run.live_camera_file : run.camera_file;
   std::optional<Camera> camera;
   if (!camera_file.empty()) {
     camera = io::camera_for_size(io::read_camera(camera_file), info.width_px, info.height_px,

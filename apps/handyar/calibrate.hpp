@@ -12,7 +12,8 @@ struct CalibrateRun {
   double square_mm = 0, thickness_mm = 5;
   std::string method = "triangulation";
   bool self = false, show = false;
-  bool assume_camera = false;              ///< with `self`: what is remembered, or 60 degrees
+  bool assume_camera = false;              ///< with `self`, without a file: 60 degrees
+  std::string live_camera_file;            ///< then taken where the input is a camera
   double span_mm = 0, hand_length_mm = 0;  ///< 0: not measured
 
   bool wants_hand() const { return !hand_out.empty() || !picture_out.empty(); }

@@ -60,17 +60,12 @@ Remembered remembered() {
 void remember_input(const std::string& input) {
   io::write_text(made_in_folder(kInput), input + "\n");
 }
-void remember_camera(const std::string& file) {
-  const Camera camera = io::read_camera(file);
-  io::write_camera(made_in_folder(kCamera), camera);
-}
-void remember_hand(const std::string& file) {
-  const HandModel hand = io::read_hand(file);
-  io::write_hand(made_in_folder(kHand), hand);
-}
-void forget() {
+void remember_camera(const Camera& camera) { io::write_camera(made_in_folder(kCamera), camera); }
+void remember_hand(const HandModel& hand) { io::write_hand(made_in_folder(kHand), hand); }
+void forget(bool hand_too) {
   std::error_code ignored;
-  for (const char* const name : {kInput, kCamera, kHand}) fs::remove(in_folder(name), ignored);
+  for (const char* const name : {kInput, kCamera}) fs::remove(in_folder(name), ignored);
+  if (hand_too) fs::remove(in_folder(kHand), ignored);
   fs::remove(config_folder(), ignored);
 }
 

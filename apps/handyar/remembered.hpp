@@ -3,6 +3,9 @@
 
 #include <string>
 
+#include "handyar/camera.hpp"
+#include "handyar/hand_model.hpp"
+
 namespace handyar::cli {
 
 /// What `handyar setup` keeps for the commands to which nothing else is given.
@@ -20,9 +23,9 @@ std::string config_folder();
 Remembered remembered();
 
 void remember_input(const std::string& input);
-/// Checked, and copied into the folder.
-void remember_camera(const std::string& file);
-void remember_hand(const std::string& file);
-void forget();
+void remember_camera(const Camera& camera);
+void remember_hand(const HandModel& hand);
+/// All of it, or all but the hand.
+void forget(bool hand_too);
 
 }  // namespace handyar::cli

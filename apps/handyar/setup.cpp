@@ -2,11 +2,13 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "calibrate.hpp"
 #include "command.hpp"
-#include "handyar/io/cameras.hpp"
+#include "handyar/io/camera_file.hpp"
 #include "handyar/io/frame_source.hpp"
+#include "handyar/io/hand_file.hpp"
 #include "remembered.hpp"
 
 namespace handyar::cli {
@@ -30,11 +32,13 @@ struct Setup {
 
 // The hand alone, turned before the camera.
 int measure_hand(const Setup& setup) {
+  const Remembered known = setup.forget ? Remembered{} : remembered();
   CalibrateRun run;
-  run.input = setup.input.empty() ? remembered().input : setup.input;
+  run.input = setup.input.empty() ? known.input : setup.input;
   if (run.input.empty()) throw WrongUsage("which camera is the hand to be held before?");
   run.camera_file = setup.camera_file;
   run.self = run.assume_camera = true;
+  run.live_camera_file = known.camera_file;
   run.show = setup.show;
   run.span_mm = setup.span_mm;
   run.hand_length_mm = setup.hand_length_mm;
@@ -43,10 +47,12 @@ int measure_hand(const Setup& setup) {
   return calibrate(run);
 }
 
-void choose_camera(const std::string& input) {
-  const io::SourceInfo info = io::open_input(input)->info();
-  if (!info.live) throw WrongUsage(input + " is no camera");
-  remember_input(info.name);
+// What INPUT is remembered as; empty where there is none, or a recording of the hand.
+std::string camera_in(const Setup& setup) {
+  if (setup.input.empty()) return "";
+  const io::SourceInfo info = io::open_input(setup.input)->info();
+  if (!info.live && !setup.measures_hand()) throw WrongUsage(setup.input + " is no camera");
+  return info.live ? info.name : "";
 }
 
 int print_remembered() {
@@ -60,13 +66,18 @@ int print_remembered() {
 int set_up(const Setup& setup) {
   if (setup.show && !setup.measures_hand())
     throw WrongUsage("--show needs --hand-length-mm or --span-mm");
-  if (setup.forget) forget();
-  if (!setup.camera_file.empty()) remember_camera(setup.camera_file);
-  if (!setup.hand_file.empty()) remember_hand(setup.hand_file);
+  // Whatever can fail comes first: what was remembered stays as it was until all is known.
+  std::optional<Camera> camera;
+  std::optional<HandModel> hand;
+  if (!setup.camera_file.empty()) camera = io::read_camera(setup.camera_file);
+  if (!setup.hand_file.empty()) hand = io::read_hand(setup.hand_file);
+  const std::string input = camera_in(setup);
   if (setup.measures_hand())
     if (const int code = measure_hand(setup); code != kDone) return code;
-  if (!setup.input.empty() && !(setup.measures_hand() && !io::open_input(setup.input)->info().live))
-    choose_camera(setup.input);
+  if (setup.forget) forget(!setup.measures_hand());
+  if (!input.empty()) remember_input(input);
+  if (camera) remember_camera(*camera);
+  if (hand) remember_hand(*hand);
   return print_remembered();
 }
 
