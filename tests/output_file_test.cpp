@@ -148,6 +148,24 @@ TEST_F(IoTest, WhatAKilledRunLeftIsRemovedByTheNext) {
   EXPECT_TRUE(fs::exists(path("p.csv")));
 }
 
+TEST_F(IoTest, AWriteProtectedFileStays) {
+  write_text(path("p.csv"), "old");
+  fs::permissions(path("p.csv"), fs::perms::owner_read | fs::perms::others_read);
+  fs::permissions(folder_, fs::perms::all);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::getuid() == 0 && ::setuid(65534) != 0) ::_exit(2);  // root may write it all the same
+    const std::string fault = fault_of([&] { write_text(path("p.csv"), "new"); });
+    ::_exit(fault == path("p.csv: cannot be written: Permission denied") ? 0 : 1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_EQ(read_text(path("p.csv")), "old");
+  EXPECT_EQ(files(), 1u);
+}
+
 TEST_F(IoTest, OutputsThatCannotBeWrittenAreNamed) {
   EXPECT_EQ(
       fault_of([&] { PoseCsvWriter("/proc/p.csv"); }).rfind("/proc/p.csv: cannot be written", 0),

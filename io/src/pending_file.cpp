@@ -92,6 +92,9 @@ PendingFile::PendingFile(const std::string& target) : target_(target) {
     if (::access(path_.c_str(), W_OK) != 0) throw Error(target, "cannot be written: " + reason());
     return;
   }
+  // The file is replaced, which needs no leave to write it: but who took that away meant it.
+  if (fs::exists(destination, ignored) && ::access(destination_.c_str(), W_OK) != 0)
+    throw Error(target, "cannot be written: " + reason());
   remove_leftovers(destination);
   const fs::path name =
       partial_prefix(destination) + std::to_string(::getpid()) + destination.extension().string();
