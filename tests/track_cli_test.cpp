@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: MIT
 // `handyar track` as its users meet it.
-#include <signal.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <chrono>
-#include <cstdio>
 #include <opencv2/core.hpp>
 #include <set>
 #include <sstream>
-#include <thread>
 
 #include "command_line.hpp"
 #include "handyar/io/frame_source.hpp"
@@ -99,48 +92,6 @@ TEST_F(CliTest, FileThatMayGrowNoMoreIsAFault) {
   EXPECT_EQ(r.code, 1);
   EXPECT_NE(r.err.find("v.mp4: cannot be written: File too large\n"), std::string::npos) << r.err;
   EXPECT_EQ(left(), (std::set<std::string>{}));
-}
-
-TEST_F(CliTest, InterruptFinishesTheFiles) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    std::freopen("/dev/null", "w", stderr);
-    ::execl(HANDYAR_PROGRAM, "handyar", "track", (kData + "/sample/video.mp4").c_str(), "--poses",
-            out("p.csv").c_str(), "--video", out("v.mp4").c_str(), nullptr);
-    ::_exit(99);
-  }
-  // Interrupts are caught before the first output file is there.
-  while (left().empty()) std::this_thread::yield();
-  ::kill(child, SIGINT);
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;  // it was done before the signal came
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 130);
-  EXPECT_EQ(left(), (std::set<std::string>{"p.csv", "v.mp4"}));
-  const std::string poses = contents(out("p.csv"));
-  EXPECT_EQ(poses.back(), '\n');
-  EXPECT_LT(lines(poses), 201);
-}
-
-TEST_F(CliTest, OneInterruptEndsTheWaitForThePipesReader) {
-  ASSERT_EQ(::mkfifo(out("p.csv").c_str(), 0600), 0);
-  const pid_t child = ::fork();
-  if (child == 0) {
-    std::freopen("/dev/null", "w", stderr);
-    ::execl(HANDYAR_PROGRAM, "handyar", "track", kVideo.c_str(), "--poses", out("p.csv").c_str(),
-            nullptr);
-    ::_exit(99);
-  }
-  std::this_thread::sleep_for(std::chrono::seconds(1));
-  ::kill(child, SIGTERM);
-  int status = 0;
-  for (int i = 0; ::waitpid(child, &status, WNOHANG) == 0; ++i) {
-    if (i == 100) ::kill(child, SIGKILL);
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 1);
 }
 
 TEST_F(CliTest, WhatStandardOutputHoldsStays) {

@@ -22,6 +22,7 @@ int make_board(const BoardRun& run) {
   const auto squares = parse_grid(run.squares);
   if (!squares || squares->width < 4 || squares->height < 4)
     throw WrongUsage("--squares " + run.squares + " is not like 9x7, from 4x4 to 50x50");
+  catch_interrupts();
   const Board board{squares->width - 1, squares->height - 1, run.square_mm / 1000};
   const bool printed = CLI::detail::to_lower(std::filesystem::path(run.out).extension()) == ".pdf";
   if (printed)

@@ -19,8 +19,20 @@ namespace handyar::cli {
 namespace {
 
 volatile std::sig_atomic_t caught_signal = 0;
+volatile double caught_s = 0;
 
-void note_signal(int signal) { caught_signal = signal; }
+// One wish to end often comes as two signals at once: timeout sends one to the process and one to
+// its group, a terminal that closes does likewise. A person takes longer to lose patience.
+void note_signal(int signal) {
+  constexpr double kPatience_s = 1;
+  if (caught_signal == 0) {
+    caught_s = steady_now_s();
+    caught_signal = signal;
+  } else if (steady_now_s() - caught_s > kPatience_s) {
+    std::signal(signal, SIG_DFL);
+    ::raise(signal);
+  }
+}
 
 // `b` may be a numbered series of pictures, of which `a` is one.
 bool same_file(const std::string& a, const std::string& b) {
@@ -87,8 +99,9 @@ void catch_interrupts() {
   // Without SA_RESTART: what waits for the reader of a pipe is not to wait on.
   struct sigaction noted = {}, before = {};
   noted.sa_handler = note_signal;
-  noted.sa_flags = SA_RESETHAND;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+  constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+  for (const int signal : kSignals) ::sigaddset(&noted.sa_mask, signal);
+  for (const int signal : kSignals) {
     ::sigaction(signal, &noted, &before);
     if (before.sa_handler == SIG_IGN) ::sigaction(signal, &before, nullptr);  // nohup
   }

@@ -59,8 +59,8 @@ void require_distinct_files(const std::vector<std::string>& inputs,
 /// is /dev/stdout.
 std::ostream& beside(const std::vector<std::string>& outputs);
 
-/// Notes SIGINT, SIGTERM and SIGHUP so that loops can end and finish their files; a second one
-/// kills.
+/// Notes SIGINT, SIGTERM and SIGHUP so that loops can end and finish their files; one that comes
+/// a second later or more kills.
 void catch_interrupts();
 /// The signal that came, or 0.
 int interrupt() noexcept;

@@ -12,6 +12,7 @@
 
 namespace {
 
+namespace fs = std::filesystem;
 using namespace handyar::cli;
 
 constexpr const char* kExamples =
@@ -55,6 +56,11 @@ void require_standard_output() {
     throw handyar::io::Error("standard output", "cannot be written");
 }
 
+int tell_interrupted() {
+  std::cerr << "handyar: interrupted, nothing was written\n";
+  return 128 + interrupt();
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"A bare outstretched hand, used like a printed AR marker.", "handyar"};
   app.set_version_flag("--version", "handyar " HANDYAR_VERSION);
@@ -93,12 +99,13 @@ int main(int argc, char** argv) {
     const int code = run(argc, argv);
     if (code == kDone) require_standard_output();
     return code;
+  } catch (const Interrupted&) {
+    return tell_interrupted();
+  } catch (const handyar::io::Interrupted&) {
+    return tell_interrupted();
   } catch (const handyar::io::Error& e) {
     std::cerr << "handyar: " << e.what() << '\n';
-  } catch (const Interrupted&) {
-    std::cerr << "handyar: interrupted, nothing was written\n";
-    return 128 + interrupt();
-  } catch (const std::filesystem::filesystem_error& e) {
+  } catch (const fs::filesystem_error& e) {
     std::cerr << "handyar: " << e.path1().string() << ": " << e.code().message() << '\n';
   } catch (const std::bad_alloc&) {
     std::cerr << "handyar: out of memory\n";

@@ -127,6 +127,7 @@ std::ofstream PendingFile::stream() const {
   errno = 0;
   // Appended, since what is written directly may be a file that has something in it.
   std::ofstream stream(path_, std::ios::binary | std::ios::app);
+  if (!stream && errno == EINTR) throw Interrupted(target_, "nobody reads it, and a signal came");
   if (!stream) throw Error(target_, "cannot be written: " + reason());
   return stream;
 }

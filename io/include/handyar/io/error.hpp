@@ -14,4 +14,9 @@ class Error : public std::runtime_error {
   Error(std::string_view subject, std::string_view fault);
 };
 
+/// A signal came while a pipe waited for its reader.
+class Interrupted : public Error {
+  using Error::Error;
+};
+
 }  // namespace handyar::io
