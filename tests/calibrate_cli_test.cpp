@@ -139,6 +139,16 @@ TEST_F(CalibrateCli, BadRecordingsAreRefusedInOneLine) {
   EXPECT_NE(none.find("seen in 0 of"), std::string::npos) << none;
 }
 
+TEST_F(CalibrateCli, AHandWhosePictureCannotBeWrittenIsNotWritten) {
+  fs::create_symlink("/dev/full", file("hand.png"));
+  const Outcome r = run("calibrate " + kRecording + " --board 8x6 --square-mm 22 --camera-out " +
+                        file("camera.yml") + " --hand-out " + file("hand.json") + " --picture " +
+                        file("hand.png"));
+  EXPECT_EQ(r.code, 1) << r.err;
+  EXPECT_FALSE(fs::exists(file("hand.json")));
+  EXPECT_FALSE(fs::exists(file("camera.yml")));
+}
+
 TEST_F(CalibrateCli, WrongUsageIsCode2) {
   for (const std::string& arguments :
        {kRecording, kRecording + " --board 8x6 --hand-out h.json",

@@ -141,11 +141,12 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
     measured = run.method == "plane" ? hand->by_plane : hand->by_triangulation;
     report(*hand, measured, run.thickness_mm);
   }
-  if (!run.camera_out.empty()) io::write_camera(run.camera_out, camera);
-  if (!run.hand_out.empty()) io::write_hand(run.hand_out, measured);
+  // The picture first: where it cannot be written, no hand and camera are left of a failed run.
   if (!run.picture_out.empty())
     io::write_picture(run.picture_out, draw_hand({hand->by_triangulation, board, hand->T_board_hand,
                                                   hand->plane_tips.p_m}));
+  if (!run.hand_out.empty()) io::write_hand(run.hand_out, measured);
+  if (!run.camera_out.empty()) io::write_camera(run.camera_out, camera);
   return kDone;
 }
 
@@ -176,8 +177,8 @@ int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Cam
   if (run.hand_length_mm > 0) known.hand_length_m = run.hand_length_mm / 1000;
   const SelfCalibration c = self_calibrate_hand(views, camera, known);
   report(c);
-  if (!run.hand_out.empty()) io::write_hand(run.hand_out, c.hand);
   if (!run.picture_out.empty()) io::write_picture(run.picture_out, draw_hand({c.hand, {}, {}, {}}));
+  if (!run.hand_out.empty()) io::write_hand(run.hand_out, c.hand);
   return kDone;
 }
 
