@@ -44,6 +44,8 @@ TEST_F(CliTest, BadWorldsAreRefusedInOneLine) {
   refused(" --map " + in("text.map"), in("text.map"), "is not a map");
   refused(" --map /proc/desk.map", "/proc/desk.map", "cannot be written");
   refused(" --model " + in("no.obj") + " --video " + out("v.mp4"), in("no.obj"), "no such model");
+  expect_refused(kWorldClip + " --map " + out("a.map") + " --model " + in("no.obj"), in("no.obj"),
+                 "no such model", "world ");
   refused(" --scene " + kData + "/scene_select.json", kData + "/scene_select.json", "of markers");
   write("desk.json",
         R"({"format": "handyar-scene", "version": 1, "world": {"map": "gone.map"},

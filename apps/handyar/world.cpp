@@ -133,6 +133,8 @@ class WorldRun {
     if (!choices.events.empty()) events_.emplace(choices.events);
     if (run.show || !run.video_out.empty() || events_ || !choices.scene.empty())
       stage_.emplace(scene_.objects, choices.model, choices.model_mm / 1000);
+    else
+      render::find_model(choices.model);  // though nothing shows it, a fault in it is told
   }
 
   void observe(const cv::Mat& bgr, std::int64_t frame, const AnyTracker& hands,
@@ -174,8 +176,7 @@ class WorldRun {
     if (!tracker_ || !tracker_->map()) return "no world: " + why_none();
     const auto map = tracker_->map();
     return "world in " + std::to_string(tracked_) + " of " + std::to_string(frames_) + " frames, " +
-           std::to_string(map->points.size()) + " points, " +
-           std::to_string(map->keyframes.size()) + " keyframes";
+           std::to_string(map->points.size()) + " points";
   }
 
  private:
