@@ -36,9 +36,10 @@ struct InspectTest : testing::Test {
   std::string path(const std::string& name) const { return folder / name; }
 
   int run(const std::string& arguments) const {
-    const int status = std::system(("'" HANDYAR_PROGRAM "' inspect " + arguments + " >" +
-                                    path("stdout") + " 2>" + path("stderr"))
-                                       .c_str());
+    const int status =
+        std::system(("XDG_CONFIG_HOME='" + path("config") + "' '" HANDYAR_PROGRAM "' inspect " +
+                     arguments + " >" + path("stdout") + " 2>" + path("stderr"))
+                        .c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
@@ -61,6 +62,7 @@ TEST_F(InspectTest, TheHandTakesTheMiddleObjectAndGivesItBack) {
   std::vector<json> events;
   for (std::string line; std::getline(stream, line);) events.push_back(json::parse(line));
   ASSERT_EQ(events.size(), 3u);
+  EXPECT_EQ(contents(path("stdout")).find("no marker"), std::string::npos);
   const struct {
     const char* event;
     int first, last;  // frames that the rendered truth allows, with a second around it
@@ -72,6 +74,13 @@ TEST_F(InspectTest, TheHandTakesTheMiddleObjectAndGivesItBack) {
     EXPECT_LE(events[i]["frame"], expected[i].last);
     EXPECT_NEAR(events[i]["time_s"], events[i]["frame"].get<double>() / 30, 1e-6);
   }
+}
+
+TEST_F(InspectTest, SaysThatNoMarkerWasSeen) {
+  const std::string scene = " --scene " + kData + "/scene_select.json";
+  ASSERT_EQ(run(kData + "/compare/video.mp4" + scene), 0) << contents(path("stderr"));
+  EXPECT_NE(contents(path("stdout")).find("\nno marker of the scene was seen\n"),
+            std::string::npos);
 }
 
 TEST_F(InspectTest, FaultySceneFilesAreSaidInOneLine) {

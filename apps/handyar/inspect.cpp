@@ -50,7 +50,8 @@ int inspect(TrackingRun run, const std::string& scene_file, const std::string& e
     throw;
   }
   if (log) log->finish();
-  beside({events_file}) << describe(summary) << '\n';
+  beside({events_file}) << describe(summary)
+                        << (view.any_seen() ? "\n" : "\nno marker of the scene was seen\n");
   return exit_code(summary);
 }
 

@@ -70,6 +70,11 @@ std::optional<InspectionEvent> InspectionView::update(const cv::Mat& frame_bgr,
   return event;
 }
 
+bool InspectionView::any_seen() const {
+  return std::ranges::any_of(placed_,
+                             [](const Placed& p) { return p.T_camera_object.has_value(); });
+}
+
 void InspectionView::draw(cv::Mat& frame_bgr, const Camera& camera, const HandInView& hand) {
   HandOccluder occluder;
   occluder.mask = hand.mask;

@@ -50,6 +50,9 @@ class InspectionView {
     return scene_.objects[static_cast<std::size_t>(last_object_)];
   }
 
+  /// Whether the marker of any object has been seen so far.
+  bool any_seen() const;
+
  private:
   struct Placed {
     Eigen::AlignedBox3f box;                           // of the model, longest side 1
