@@ -49,19 +49,32 @@ void check_usage(const CalibrateRun& run) {
                          {run.camera_out, run.hand_out, run.picture_out});
 }
 
-// Hands every frame to `take` with what the tracker sees in it, until the input ends or `take`
-// gives false.
+// The window, where one is wanted, and the picture in it.
+struct Shown {
+  std::optional<render::Window> window;
+  cv::Mat picture;
+
+  Shown(const CalibrateRun& run, const io::SourceInfo& info) {
+    if (run.show) window.emplace(info.width_px, info.height_px, "handyar calibrate");
+  }
+  // False when the person before it has ended the run.
+  bool show() { return !window || picture.empty() || window->show(picture, 0.001); }
+};
+
+// Hands every frame to `take` with what the tracker sees in it, until the input ends, the person
+// ends it or `take` gives false.
 template <class Take>
-void watch(io::FrameSource& source, const Camera& camera, Take take) {
+void watch(io::FrameSource& source, const Camera& camera, Shown& shown, Take take) {
   HandTracker tracker(camera, average_adult_hand());
   io::Frame frame;
   catch_interrupts();
-  source.ask_while_waiting([] { return interrupt() == 0; });
+  source.ask_while_waiting([&] { return interrupt() == 0 && shown.show(); });
   while (interrupt() == 0 && source.read(frame)) {
     const TrackResult result = tracker.process(frame.view(), frame.time_s);
     if (result.status != FrameStatus::ok)
       throw io::Error(source.info().name, handyar::describe(result.status));
-    if (!take(frame, tracker, result)) break;
+    const bool wants_more = take(frame, tracker, result);
+    if (!shown.show() || !wants_more) break;
   }
 }
 
@@ -107,20 +120,19 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
   const io::SourceInfo& info = source.info();
   const Board board = board_of(run);
   CalibrationSession session(board, {info.width_px, info.height_px}, run.wants_hand());
-  std::optional<render::Window> window;
-  if (run.show) window.emplace(info.width_px, info.height_px, "handyar calibrate");
+  Shown shown(run, info);
   {
     ProgressLine progress;
     watch(source,
           known_camera ? *known_camera : Camera::from_field_of_view(info.width_px, info.height_px),
+          shown,
           [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& result) {
             const auto& view = session.add(frame.bgr, result, tracker.hand());
             const Coverage& coverage = session.coverage();
             progress.show(std::ssize(session.views()), info.frame_count,
                           " frames, " + std::to_string(coverage.views()) + " different views, " +
                               std::to_string(coverage.hand_views()) + " of them with the hand");
-            if (window && !window->show(draw_guidance(frame.bgr, coverage, view), 0.001))
-              return false;
+            if (shown.window) shown.picture = draw_guidance(frame.bgr, coverage, view);
             return !(info.live && coverage.done());
           });
   }
@@ -153,22 +165,20 @@ int calibrate_with_board(const CalibrateRun& run, io::FrameSource& source,
 int calibrate_itself(const CalibrateRun& run, io::FrameSource& source, const Camera& camera) {
   const io::SourceInfo& info = source.info();
   std::vector<CalibrationView> views;
-  std::optional<render::Window> window;
-  if (run.show) window.emplace(info.width_px, info.height_px, "handyar calibrate");
-  cv::Mat picture;
+  Shown shown(run, info);
   int with_hand = 0;
   {
     ProgressLine progress;
-    watch(source, camera,
+    watch(source, camera, shown,
           [&](const io::Frame& frame, const HandTracker& tracker, const TrackResult& result) {
             views.push_back(hand_view(result, tracker.hand()));
             with_hand += views.back().hand_seen();
             progress.show(std::ssize(views), info.frame_count,
                           " frames, " + std::to_string(with_hand) + " with five fingertips");
-            if (!window) return true;
-            frame.bgr.copyTo(picture);
-            annotate(picture, tracker.mask(), camera, result);
-            return window->show(picture, 0.001);
+            if (!shown.window) return true;
+            frame.bgr.copyTo(shown.picture);
+            annotate(shown.picture, tracker.mask(), camera, result);
+            return true;
           });
   }
   if (!info.live) require_no_interrupt();
