@@ -70,6 +70,8 @@ TEST_F(CliTest, WrongUsageIsTwo) {
         "evaluate " + kVideo + " --square-mm 20 --report " + out("r"),
         std::string("setup --show"),
         "track " + kVideo + " another",
+        "track " + kVideo + " --poses -",
+        "world " + kVideo + " --events -",
         "track " + kVideo + " --model " + in("v.mp4") + " --poses " + in("v.mp4"),
         "track " + kVideo + " --poses ''",
         "track " + kVideo + " --model teapot --model-mm nan",

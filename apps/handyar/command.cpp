@@ -83,6 +83,7 @@ std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
 void require_distinct_files(const std::vector<std::string>& inputs,
                             const std::vector<std::string>& outputs) {
   for (auto out = outputs.begin(); out != outputs.end(); ++out) {
+    if (*out == "-") throw WrongUsage("- is no file to write; standard output is /dev/stdout");
     for (const std::string& in : inputs)
       if (same_file(*out, in)) throw WrongUsage(*out + " is both read and written");
     for (auto other = outputs.begin(); other != out; ++other)

@@ -50,8 +50,8 @@ struct WrongUsage : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Throws WrongUsage when a file would be written that is also read, or by two options; empty names
-/// are none.
+/// Throws WrongUsage when a file would be written that is also read, or by two options, or is
+/// called "-", by which people mean standard output; empty names are none.
 void require_distinct_files(const std::vector<std::string>& inputs,
                             const std::vector<std::string>& outputs);
 
