@@ -94,6 +94,13 @@ TEST_F(CliTest, WrongUsageIsTwo) {
   EXPECT_EQ(contents(in("v.mp4")), contents(kVideo));
 }
 
+TEST_F(CliTest, PicturesThatTheShellNamedAreToBeGivenAsAPattern) {
+  const Outcome r = run("track ser/1.png ser/2.png ser/3.png --poses " + out("p.csv"));
+  EXPECT_EQ(r.code, 2);
+  EXPECT_NE(r.err.find("give a pattern, such as ser/%04d.png"), std::string::npos) << r.err;
+  EXPECT_EQ(lines(r.err), 1);
+}
+
 TEST_F(CliTest, HelpVersionAndCamerasSucceed) {
   EXPECT_EQ(run("--version").out.rfind("handyar ", 0), 0u);
   for (const char* arguments : {"--help", "track --help", "demo --help", "cameras --help"}) {

@@ -101,6 +101,11 @@ TEST_F(IoTest, InputsThatAreNoneAreNamed) {
   EXPECT_EQ(fault("broken.png"), path("broken.png: is not a picture that can be read"));
   EXPECT_EQ(fault("one.png").rfind(path("one.png: 1x1 pixels: "), 0), 0u);
   EXPECT_EQ(fault("no.mp4"), path("no.mp4: no such file, and no camera has that name"));
+  for (const char* name : {"*.png", "%4d.png", "p?.png"})
+    EXPECT_EQ(fault(name), path(name) +
+                               ": no such file; for a series of pictures give a pattern, "
+                               "such as " +
+                               path("%04d.png"));
   EXPECT_EQ(fault("").rfind(path(""), 0), 0u);
   ::mkfifo(path("pipe.mp4").c_str(), 0600);
   EXPECT_EQ(fault("pipe.mp4"), path("pipe.mp4: is a pipe: a video or picture must be a file"));
