@@ -201,6 +201,19 @@ TEST_F(CliTest, SetupForgetsNothingBeforeAllIsKnownToBeGood) {
   EXPECT_NE(after.find("hand         none"), std::string::npos) << after;
 }
 
+TEST_F(CliTest, WhereNoInputIsGivenTheRememberedCameraIsTaken) {
+  fs::create_directories(root_ / "config/handyar");
+  std::ofstream(root_ / "config/handyar/input") << "/dev/video987\n";
+  for (const std::string& command :
+       {std::string("track"), std::string("world"),
+        "inspect --scene " + kData + "/scene_select.json",
+        "calibrate --board 8x6 --square-mm 22 --camera-out " + out("c.yml")}) {
+    const Outcome r = run(command);
+    EXPECT_EQ(r.code, 1) << command;
+    EXPECT_EQ(r.err.rfind("handyar: /dev/video987: ", 0), 0u) << r.err;
+  }
+}
+
 TEST_F(CliTest, CameraSettingsAreForCameras) {
   for (const char* option : {" --camera-size 1280x720", " --camera-fps 60", " --camera-lock"}) {
     const Outcome r = run("track " + kVideo + option);

@@ -224,7 +224,8 @@ Command add_calibrate(CLI::App& app) {
   CLI::App* options =
       app.add_subcommand("calibrate", "Measure camera and hand, with a checkerboard or without");
   const auto run = std::make_shared<CalibrateRun>();
-  options->add_option("INPUT", run->input, "The recording, or a camera")->required();
+  options->add_option("INPUT", run->input, "The recording, or a camera; else the remembered camera")
+      ->type_name(" ");
   options->add_option("--board", run->grid, "Inner corners of the checkerboard, e.g. 8x6");
   options->add_option("--square-mm", run->square_mm, "Side of its squares")
       ->check(between(1.0, 1000.0));
@@ -261,7 +262,10 @@ Command add_calibrate(CLI::App& app) {
       ->check(between(80.0, 300.0));
   options->add_flag("--show", run->show, "Show what is seen and what is missing; q or Esc ends");
   options->footer(kNotes);
-  return {options, [run] { return calibrate(*run); }};
+  return {options, [run] {
+            run->input = input_of(run->input);
+            return calibrate(*run);
+          }};
 }
 
 }  // namespace handyar::cli

@@ -7,6 +7,7 @@
 #include "event_log.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/render/inspection_view.hpp"
+#include "remembered.hpp"
 #include "tracking_run.hpp"
 
 namespace handyar::cli {
@@ -20,6 +21,7 @@ constexpr const char* kInspectExamples =
     "  handyar inspect desk.mp4 --scene scene.json --video out.mp4 --events events.jsonl";
 
 int inspect(TrackingRun run, const std::string& scene_file, const std::string& events_file) {
+  run.input = input_of(run.input);
   require_distinct_files({run.input, run.camera_file, run.hand_file, scene_file},
                          {run.video_out, events_file});
   const render::Scene scene = render::read_scene(scene_file);
@@ -63,8 +65,8 @@ Command add_inspect(CLI::App& app) {
   const auto run = std::make_shared<TrackingRun>();
   const auto scene = std::make_shared<std::string>();
   const auto events = std::make_shared<std::string>();
-  options->add_option("INPUT", run->input, "A video file, pictures, a camera, or sample")
-      ->required();
+  options->add_option("INPUT", run->input, "What to see the hand in; else the remembered camera")
+      ->type_name(" ");
   options->add_option("--scene", *scene, "Scene file: objects and their markers (JSON)")
       ->required();
   add_tracker_files(options, *run);

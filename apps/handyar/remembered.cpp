@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "command.hpp"
 #include "handyar/io/camera_file.hpp"
 #include "handyar/io/error.hpp"
 #include "handyar/io/hand_file.hpp"
@@ -55,6 +56,12 @@ Remembered remembered() {
     r.input.erase(std::min(r.input.find('\n'), r.input.size()));
   }
   return r;
+}
+
+std::string input_of(const std::string& given) {
+  const std::string input = given.empty() ? remembered().input : given;
+  if (input.empty()) throw WrongUsage("INPUT is required, handyar setup remembers one");
+  return input;
 }
 
 void remember_input(const std::string& input) {

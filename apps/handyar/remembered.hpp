@@ -22,6 +22,9 @@ std::string config_folder();
 /// Nothing where there is no such folder.
 Remembered remembered();
 
+/// `given`, or the remembered camera where that is empty. Throws WrongUsage when there is neither.
+std::string input_of(const std::string& given);
+
 void remember_input(const std::string& input);
 void remember_camera(const Camera& camera);
 void remember_hand(const HandModel& hand);

@@ -173,9 +173,7 @@ Command add_track(CLI::App& app) {
             run->paper_config.filter.enabled = !choices->no_filter;
             run->timings = !choices->no_timings;
             run->annotated = !choices->no_annotation;
-            if (run->input.empty()) run->input = remembered().input;
-            if (run->input.empty())
-              throw WrongUsage("INPUT is required, handyar setup remembers one");
+            run->input = input_of(run->input);
             if (run->hands > 1 && run->method == Method::paper)
               throw WrongUsage("--method paper follows one hand, not --hands 2");
             if (run->method != Method::paper &&

@@ -13,6 +13,7 @@
 #include "handyar/io/error.hpp"
 #include "handyar/opencv/annotate.hpp"
 #include "handyar/world/world_tracker.hpp"
+#include "remembered.hpp"
 #include "tracking_run.hpp"
 #include "world_stage.hpp"
 
@@ -234,6 +235,7 @@ class WorldRun {
 };
 
 int world_of(TrackingRun run, const Choices& choices) {
+  run.input = input_of(run.input);
   WorldRun world(choices, run);
   run.annotated = false;
   run.observer = [&](const cv::Mat& bgr, std::int64_t frame, const AnyTracker& tracker,
@@ -264,8 +266,8 @@ Command add_world(CLI::App& app) {
       app.add_subcommand("world", "Set up a table with the hand and put objects on it");
   const auto run = std::make_shared<TrackingRun>();
   const auto choices = std::make_shared<Choices>();
-  options->add_option("INPUT", run->input, "A video file, pictures, a camera, or sample")
-      ->required();
+  options->add_option("INPUT", run->input, "What to see the hand in; else the remembered camera")
+      ->type_name(" ");
   add_tracker_files(options, *run);
   options
       ->add_option("--map", choices->map,
