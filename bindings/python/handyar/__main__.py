@@ -8,10 +8,11 @@ from pathlib import Path
 
 
 def main() -> None:
-    # Beside this Python when it was installed with it, else wherever a shell would find it.
-    program = shutil.which("handyar", path=str(Path(sys.executable).parent)) or shutil.which(
-        "handyar"
-    )
+    # Of the same build, or beside this Python when it was installed with it, else wherever a shell
+    # would find it.
+    build = Path(__file__).parent / "../../../apps/handyar"
+    folders = os.pathsep.join([str(build.resolve()), str(Path(sys.executable).parent)])
+    program = shutil.which("handyar", path=folders) or shutil.which("handyar")
     if program is None:
         sys.exit("handyar: the program is not installed: it is neither beside Python nor on the PATH")
     os.execv(program, ["handyar", *sys.argv[1:]])

@@ -192,7 +192,10 @@ def test_the_module_is_the_program(clip, tracked, tmp_path):
     assert run("track", "--nonsense").returncode == 2
 
 
-def test_a_missing_program_is_told():
-    done = run("--version", env={**os.environ, "PATH": ""})
+def test_the_program_of_the_same_build_is_found_and_a_missing_one_told(tmp_path):
+    nowhere = {**os.environ, "PATH": ""}
+    assert run("--version", env=nowhere).returncode == 0
+    shutil.copytree(Path(handyar.__file__).parent, tmp_path / "handyar")
+    done = run("--version", env={**nowhere, "PYTHONPATH": str(tmp_path)}, cwd=tmp_path)
     assert done.returncode == 1 and "not installed" in done.stderr
     assert len(done.stderr.splitlines()) == 1
