@@ -52,8 +52,8 @@ Camera frame: x right, y down, z forward, in metres. Pixels: the centre of the t
                throw py::value_error("fx_px, fy_px: focal lengths are positive");
              if (!finite(cx_px) || !finite(cy_px) || !std::ranges::all_of(distortion, finite))
                throw py::value_error("cx_px, cy_px, distortion: finite numbers are wanted");
-             if (!(readout_s >= 0 && finite(readout_s)))
-               throw py::value_error("readout_s: from the first row's time to the last's, or 0");
+             if (!(readout_s >= 0 && readout_s <= 0.1))  // as of a camera file
+               throw py::value_error("readout_s: seconds from the first row to the last, 0 to 0.1");
              return Camera{width_px, height_px, fx_px, fy_px, cx_px, cy_px, distortion, readout_s};
            }),
            "width_px"_a, "height_px"_a, py::kw_only(), "fx_px"_a, "fy_px"_a, "cx_px"_a, "cy_px"_a,

@@ -23,7 +23,10 @@ def test_camera_projects_as_a_pinhole_and_back():
 
 @pytest.mark.parametrize(
     "size",
-    [dict(width_px=0), dict(fx_px=-1), dict(fy_px=np.nan), dict(fx_px=np.inf), dict(cx_px=np.nan)],
+    [
+        dict(width_px=0), dict(fx_px=-1), dict(fy_px=np.nan), dict(fx_px=np.inf), dict(cx_px=np.nan),
+        dict(readout_s=20), dict(readout_s=-0.01), dict(readout_s=np.nan),
+    ],
 )
 def test_cameras_that_cannot_be_are_refused(size):
     arguments = dict(width_px=640, height_px=480, fx_px=600, fy_px=600, cx_px=320, cy_px=240)
