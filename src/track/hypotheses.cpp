@@ -176,13 +176,13 @@ bool Hypotheses::lay_anew(const ImageView& frame, const Camera& camera, const Tr
   aligner.forget();
   for (int i = count_ - 1; i >= 0; --i) {  // the best last: its colours are the ones to keep
     Hypothesis& h = items_[i];
-    const double before = h.log_weight - share_of(kLongest_s, config) * h.alignment.log_posterior;
+    const double weight = h.log_weight;  // that it is laid anew says nothing for or against it
     Beginning beginning{frame, camera, h.person, config, aligner};
     const HandPrior prior =
         prior_around(h.alignment.state, h.person, kLongest_s, config, h.liveliness);
     beginning.settle(h, prior, kRoughly);
     beginning.settle(h, prior, kFinely);
-    h.log_weight += before;
+    h.log_weight = weight;
   }
   keep_likely(config.belief);
   return count_ > 0;
