@@ -9,6 +9,7 @@
 #include "command.hpp"
 #include "handyar/api.h"
 #include "handyar/io/error.hpp"
+#include "handyar/io/frame_source.hpp"
 
 namespace {
 
@@ -29,17 +30,12 @@ int wrong_usage(const CLI::App& app, const std::string& fault) {
   return kWrongUsage;
 }
 
-bool is_picture_name(std::string name) { return ends_in({".png", ".jpg", ".jpeg"})(name).empty(); }
-
 // The shell makes many names of *.png. CLI11 takes a mistyped subcommand for a missing one.
 std::string fault_of(const CLI::App& app, const CLI::ParseError& e, int argc, char** argv) {
   const std::vector<std::string> extras = app.remaining(true);
-  if (!extras.empty() && is_picture_name(extras[0])) {
-    const fs::path extra = extras[0];
-    const fs::path pattern = extra.parent_path() / ("%04d" + extra.extension().string());
-    return "INPUT is one name: for a series of pictures give a pattern, such as " +
-           pattern.string();
-  }
+  if (!extras.empty())
+    if (const std::string hint = handyar::io::pattern_hint(extras[0]); !hint.empty())
+      return "INPUT is one name: " + hint;
   if (!app.get_subcommands().empty() || argc < 2) return e.what();
   return (argv[1][0] == '-' ? "there is no option " : "there is no subcommand ") +
          std::string(argv[1]);

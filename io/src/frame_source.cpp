@@ -41,11 +41,6 @@ std::string camera_named(const std::string& name) {
   return partial.empty() ? std::string() : partial.front();
 }
 
-// What a series of pictures in that folder, with such names, may be called.
-std::string pattern_in(const fs::path& folder, const std::string& extension) {
-  return "give a pattern, such as " + (folder / ("%04d" + extension)).string();
-}
-
 void require_readable(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) throw Error(path, std::string("cannot be read: ") + std::strerror(errno));
@@ -102,6 +97,13 @@ void silence_libraries() {
   }();
 }
 
+std::string pattern_hint(const std::string& picture) {
+  if (!is_picture(picture)) return {};
+  const fs::path path = picture;
+  const fs::path pattern = path.parent_path() / ("%04d" + path.extension().string());
+  return "for a series of pictures give a pattern, such as " + pattern.string();
+}
+
 std::unique_ptr<FrameSource> open_input(const std::string& input, const CameraSettings& settings) {
   silence_libraries();
   if (input.empty()) throw Error("input", "its name is empty");
@@ -119,7 +121,7 @@ std::unique_ptr<FrameSource> open_input(const std::string& input, const CameraSe
   std::error_code ignored;
   const fs::file_status status = fs::status(input, ignored);
   if (fs::is_directory(status)) {
-    throw Error(input, "is a folder; for the pictures in it " + pattern_in(input, ".png"));
+    throw Error(input, "is a folder; " + pattern_hint(fs::path(input) / "0.png"));
   }
   if (fs::is_fifo(status)) throw Error(input, "is a pipe: a video or picture must be a file");
   if (fs::is_character_file(status)) return open_camera(input, settings);
@@ -137,8 +139,7 @@ std::unique_ptr<FrameSource> open_input(const std::string& input, const CameraSe
     return open_camera(device, settings);
   if (const fs::path path = input;
       is_picture(input) && path.filename().string().find_first_of("*?%#") != std::string::npos)
-    throw Error(input, "no such file; for a series of pictures " +
-                           pattern_in(path.parent_path(), path.extension().string()));
+    throw Error(input, "no such file; " + pattern_hint(input));
   throw Error(input, "no such file, and no camera has that name");
 }
 

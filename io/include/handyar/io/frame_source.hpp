@@ -68,6 +68,10 @@ class FrameSource {
 std::unique_ptr<FrameSource> open_input(const std::string& input,
                                         const CameraSettings& settings = {});
 
+/// Which input to give for a numbered series of pictures like `picture`, in words; empty where that
+/// is no picture's name.
+std::string pattern_hint(const std::string& picture);
+
 /// Whether `file` has a name of the numbered series of pictures `input`; both with their folder.
 bool is_in_series(const std::string& file, const std::string& input);
 
