@@ -31,20 +31,18 @@ const HandCandidate* HandTracker::Impl::seen_again() const noexcept {
   return nullptr;
 }
 
-double HandTracker::Impl::verdict() const noexcept {
-  const HandCandidate* const again = seen_again();
-  // Unseen, or read otherwise: too tilted, or half hidden.
-  return again ? again->log_odds : config.belief.give_up();
-}
-
-void HandTracker::Impl::find(const ImageView& frame) noexcept {
-  if (has_hand()) {
-    constexpr float kReaches = 3.9f;
-    const HandPlace now = followed();
-    candidates = finder.look(frame, now.region(kReaches * now.reach_px()));
-    if (verdict() > 0) return;
+const HandCandidate* HandTracker::Impl::find(const ImageView& frame) noexcept {
+  if (!has_hand()) {
+    candidates = finder.search(frame);
+    return nullptr;
   }
+  constexpr float kReaches = 3.9f;
+  const HandPlace now = followed();
+  candidates = finder.look(frame, now.region(kReaches * now.reach_px()));
+  const HandCandidate* const again = seen_again();
+  if (again && again->log_odds > 0) return again;
   candidates = finder.search(frame);
+  return seen_again();
 }
 
 void HandTracker::Impl::look(const ImageView& frame) noexcept {
@@ -55,11 +53,13 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
   const double since_s = seen.time_s - seen.looked_s;
   if ((sure && since_s < limits.same_s) || (!had && !may_search())) return;
   seen.looked_s = seen.time_s;
-  find(frame);
+  const HandCandidate* const again = find(frame);
   if (had) {
+    // Unseen, or read otherwise: too tilted, or half hidden.
+    const double says = again ? again->log_odds : limits.give_up();
     const double share = std::min(1.0, since_s / limits.same_s);
-    seen.belief += share * std::clamp(verdict(), -limits.most_frame(), limits.most_frame());
-    seen.hypotheses.expect(verdict() > 0 ? seen_again() : nullptr, camera, share, limits);
+    seen.belief += share * std::clamp(says, -limits.most_frame(), limits.most_frame());
+    seen.hypotheses.expect(says > 0 ? again : nullptr, camera, share, limits);
   }
   seen.read_otherwise = false;
   begin(frame);

@@ -76,11 +76,12 @@ struct HandTracker::Impl {
   Reading compare(const HandCandidate& candidate, const HandPlace& now) const noexcept;
   /// The hand that is followed as the finder sees it; null where it does not or reads it otherwise.
   const HandCandidate* seen_again() const noexcept;
-  double verdict() const noexcept;  ///< of the finder on the hand that is followed, log odds
   /// What a figure says of there being an open hand, log odds; one that lacks a part speaks against
   /// it as loudly as a frame can.
   double evidence_of(const Alignment& alignment, bool whole) const noexcept;
-  void find(const ImageView& frame) noexcept;
+  /// Sets the candidates, those around a followed hand if it is surely seen there; returns it as
+  /// seen_again does.
+  const HandCandidate* find(const ImageView& frame) noexcept;
   void begin(const ImageView& frame) noexcept;
 
   /// Shares the view with one other tracker, or with none.
