@@ -42,10 +42,11 @@ constexpr std::array<Posture, 3> kFingers = {
 
 constexpr int kThumb = 0;
 
-// What is usual, and how the hand moves, is the mean of about this time; for so long it may go on
-// like that with no posture that fits, then it is given up. Fingers on their way pull the figure
-// along within frames: of `gesture` the palm strays by 10 px at most, by 16 where it is held still.
-constexpr double kWhile_s = 0.3;
+/// What is usual, and how the hand moves, is the mean of about this time, in which frames are alike
+/// and a hand goes on as it went; for so long it may with no posture that fits, then it is given
+/// up. Fingers on their way pull the figure along within frames: of `gesture` the palm strays by 10
+/// px at most, by 16 where it is held still.
+double while_s(const BeliefConfig& belief) { return belief.same_s + kLongest_s; }
 
 /// Nearly all of it is there: a hand that turns its edge leaves a part of its palm.
 bool is_whole(const std::optional<double>& share) { return share && *share > 1 - kThere; }
@@ -74,12 +75,11 @@ bool Gestures::fits(const Alignment& open, const BeliefConfig& belief) const noe
          open.log_ratio > usual_ratio_ - belief.seen();
 }
 
-double Gestures::kept(double dt_s) const noexcept {
-  return usual_ratio_ > 0 ? std::exp(-dt_s / kWhile_s) : 0;
+double Gestures::kept(double dt_s, const BeliefConfig& belief) const noexcept {
+  return usual_ratio_ > 0 ? std::exp(-dt_s / while_s(belief)) : 0;
 }
 
-void Gestures::remember(const Hypothesis& open, double dt_s) noexcept {
-  const double keep = kept(dt_s);
+void Gestures::remember(const Hypothesis& open, double keep) noexcept {
   usual_ratio_ = keep * usual_ratio_ + (1 - keep) * open.alignment.log_ratio;
   const HandState before = hand_.alignment.state;
   hand_ = open;
@@ -87,10 +87,9 @@ void Gestures::remember(const Hypothesis& open, double dt_s) noexcept {
   now.velocity = keep * before.velocity + (1 - keep) * now.velocity;
 }
 
-void Gestures::carry(Gesture posture, double dt_s) noexcept {
+void Gestures::carry(Gesture posture, double dt_s, double keep) noexcept {
   Alignment palm = laid(posture);
   const HandState& before = hand_.alignment.state;
-  const double keep = kept(dt_s);
   palm.state.velocity =
       keep * before.velocity + (1 - keep) / dt_s * before.difference(palm.state).head<6>();
   hand_.alignment = palm;
@@ -156,8 +155,8 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   return Gesture::open;
 }
 
-void Gestures::lead(Gesture posture, double dt_s) noexcept {
-  carry(posture, dt_s);
+void Gestures::lead(Gesture posture, double dt_s, double keep) noexcept {
+  carry(posture, dt_s, keep);
   leads_s_ = posture == leader_ ? leads_s_ + dt_s : 0;
   leader_ = posture;
   holds_ = false;
@@ -174,9 +173,10 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Hypoth
                       double dt_s, const TrackerConfig& config, Aligner& aligner) noexcept {
   event_.reset();
   watches_ = opened_ = false;
+  const double keep = kept(dt_s, config.belief);
   if (tracked && fits(tracked->alignment, config.belief)) {
     open();
-    remember(*tracked, dt_s);
+    remember(*tracked, keep);
     return;
   }
   // Only of hands that usually say as much as a frame can is it told what they do: of less, one
@@ -186,14 +186,14 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Hypoth
   watches_ = true;
   lay(frame, camera, dt_s, config, aligner);
   const Gesture posture = choose(tracked, frame, camera, config, aligner);
-  if (posture != Gesture::open) return lead(posture, dt_s);
+  if (posture != Gesture::open) return lead(posture, dt_s, keep);
   if (folded() && fits(laid(Gesture::open), config.belief)) {
     opened_ = true;
-    carry(Gesture::open, dt_s);
+    carry(Gesture::open, dt_s, keep);
     return open();
   }
   unclear_s_ += dt_s;
-  if (unclear_s_ > kWhile_s) return forget();
+  if (unclear_s_ > while_s(config.belief)) return forget();
   go_on(dt_s);
   if (gesture_ != Gesture::open) return;  // it may come back
   leader_ = Gesture::open;

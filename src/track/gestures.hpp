@@ -49,9 +49,9 @@ class Gestures {
   double ratio(Gesture posture) const noexcept { return laid(posture).log_ratio; }
 
   /// Of what is usual the share that stays.
-  double kept(double dt_s) const noexcept;
-  void remember(const Hypothesis& open, double dt_s) noexcept;
-  void carry(Gesture posture, double dt_s) noexcept;
+  double kept(double dt_s, const BeliefConfig& belief) const noexcept;
+  void remember(const Hypothesis& open, double keep) noexcept;
+  void carry(Gesture posture, double dt_s, double keep) noexcept;
   /// The palm goes on as it went.
   void go_on(double dt_s) noexcept;
   void open() noexcept;
@@ -63,7 +63,7 @@ class Gestures {
   /// Aligner::shares_of_hand where fingers would be if they were outstretched.
   PartShares shares(const HandState& state, const ImageView& frame, const Camera& camera,
                     const Aligner& aligner) const noexcept;
-  void lead(Gesture posture, double dt_s) noexcept;
+  void lead(Gesture posture, double dt_s, double keep) noexcept;
 
   Hypothesis hand_;                        ///< as last seen, open or folded; moving as is usual
   std::array<Alignment, kPostures> laid_;  ///< on the last frame that was watched
