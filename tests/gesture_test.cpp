@@ -21,7 +21,7 @@ using test::kFist;
 constexpr Posture kFour = {{-0.85, 0.02, 0, 0, -0.02}, {0.9, 0.05, 0, -0.04, 0.03}};
 
 // An object on the palm may stray by so much while fingers move.
-constexpr double kMostMoved_px = 10;
+constexpr double kMostMoved_px = 8;
 
 /// What was told while a hand went through its postures.
 struct Told {
