@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "image/pixel_reader.hpp"
+#include "find/samples.hpp"
 
 namespace handyar {
 namespace {
@@ -17,9 +17,6 @@ constexpr int kSide = 96, kCells = kSide / 16, kChannels = 32;
 // What it sees of the plane of an average hand, metres: its middle, and how far across.
 constexpr Complex kMiddle_m(0.01f, -0.02f);
 constexpr float kAcross_m = 0.25f;
-// Of one sample so many pixels a side are read: fewer leave jagged edges, more take time.
-constexpr int kLeastReads = 2, kMostReads = 3;
-constexpr float kGrey = 127.5f;  // beyond the frame
 
 using AverageTips = std::array<Complex, kFingerCount>;
 
@@ -56,33 +53,15 @@ Upright upright_of(const HandPlace& hand, Layout layout, const AverageTips& aver
   return {px_per_m, middle_px - px_per_m * middle_m, mirror};
 }
 
-/// Means over the pixels of each sample.
-void sample(const ImageView& frame, const Upright& upright, std::span<float> colors) {
-  const PixelReader reader(frame);
+SampleGrid grid_of(const Upright& upright) {
   constexpr float kSample_m = kAcross_m / kSide;
-  const float scale = kSample_m * std::abs(upright.px_per_m);
-  const int reads = std::clamp(static_cast<int>(std::lround(scale)), kLeastReads, kMostReads);
-  const float step_m = kSample_m / static_cast<float>(reads);
-  const Complex first_m = kMiddle_m + 0.5f * Complex(step_m - kAcross_m, kAcross_m - step_m);
-  float* out = colors.data();
-  for (int v = 0; v < kSide; ++v)
-    for (int u = 0; u < kSide; ++u, out += 3) {
-      std::array<int, 3> sum{};
-      int within = 0;
-      for (int j = 0; j < reads; ++j)
-        for (int i = 0; i < reads; ++i) {
-          const Complex p_m = first_m + step_m * Complex(static_cast<float>(u * reads + i),
-                                                         -static_cast<float>(v * reads + j));
-          const Eigen::Vector2f p_px = upright.to_frame(p_m);
-          const int x = static_cast<int>(std::floor(p_px.x() + 0.5f)),
-                    y = static_cast<int>(std::floor(p_px.y() + 0.5f));
-          if (x < 0 || y < 0 || x >= frame.width_px || y >= frame.height_px) continue;
-          const std::array<int, 3> rgb = reader.rgb(x, y);
-          for (int c = 0; c < 3; ++c) sum[c] += rgb[c];
-          ++within;
-        }
-      for (int c = 0; c < 3; ++c) out[c] = within > 0 ? static_cast<float>(sum[c]) / within : kGrey;
-    }
+  const Complex first_m = kMiddle_m + 0.5f * Complex(kSample_m - kAcross_m, kAcross_m - kSample_m);
+  const Complex right_px = kSample_m * upright.px_per_m;
+  return {kSide,
+          kSide,
+          upright.to_frame(first_m),
+          {upright.mirror * right_px.real(), -right_px.imag()},
+          {upright.mirror * right_px.imag(), right_px.real()}};
 }
 
 }  // namespace
@@ -119,7 +98,7 @@ std::array<float, FaceNetwork::kOutputs> FaceNetwork::run(layers::Workspace& in)
 FaceNetwork::Look FaceNetwork::look(const ImageView& frame, const HandPlace& hand, Layout layout,
                                     layers::Workspace& in) const noexcept {
   const Upright upright = upright_of(hand, layout, average_tips_m_);
-  sample(frame, upright, in.beside);
+  take_samples(frame, grid_of(upright), in.beside);
   const std::array<float, kOutputs> said = run(in);
   Look look{said[0], {}};
   for (int f = 0; f < kFingerCount; ++f) {

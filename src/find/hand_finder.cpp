@@ -3,22 +3,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 #include "find/constellation.hpp"
 #include "find/face_network.hpp"
 #include "find/network.hpp"
-#include "image/pixel_reader.hpp"
+#include "find/samples.hpp"
 
 namespace handyar {
 namespace {
 
 using Network = FinderNetwork;
 
-// Of one sample at most so many pixels a side are read: of large frames not all.
-constexpr int kMostReads = 4;
 // The second look takes in so many spans around the hand.
 constexpr float kSecondLook = 2.6f;
+
+SampleGrid grid_of(const FinderRegion& region) {
+  const float sample_px = region.width_px / Network::kWidth;
+  return {Network::kWidth, Network::kHeight, region.to_frame({0.5f, 0.5f}, Network::kWidth),
+          sample_px * Eigen::Vector2f(-region.up.y(), region.up.x()), -sample_px * region.up};
+}
 
 }  // namespace
 
@@ -45,7 +48,6 @@ struct HandFinder::Impl {
   HandCandidates candidates;
   int turn = 0;  ///< of the parts, which one is next
 
-  void sample(const ImageView& frame, const FinderRegion& region) noexcept;
   void look(const ImageView& frame, const FinderRegion& region) noexcept;
   void tell_faces(const ImageView& frame) noexcept;
 };
@@ -60,47 +62,8 @@ void HandFinder::reset() noexcept {
   impl_->turn = 0;
 }
 
-/// Means over the pixels of each sample; beyond the frame grey.
-void HandFinder::Impl::sample(const ImageView& frame, const FinderRegion& region) noexcept {
-  const PixelReader reader(frame);
-  const int reads =
-      std::clamp(static_cast<int>(std::lround(region.width_px / Network::kWidth)), 1, kMostReads);
-  // Where a read lies is the sum of where its column and its row begin, in parts of a pixel.
-  constexpr int kParts = 16;  // bits
-  using Place = std::array<std::int64_t, 2>;
-  const auto across = static_cast<float>(Network::kWidth * reads);
-  const auto in_parts = [](const Eigen::Vector2f& px) {
-    return Place{std::llround(std::ldexp(px.x(), kParts)),
-                 std::llround(std::ldexp(px.y(), kParts))};
-  };
-  const Eigen::Vector2f first_px = region.to_frame({0.5f, 0.5f}, across);
-  std::array<Place, Network::kWidth * kMostReads> columns;
-  std::array<Place, Network::kHeight * kMostReads> rows;
-  for (int i = 0; i < Network::kWidth * reads; ++i)
-    columns[i] = in_parts(region.to_frame({i + 0.5f, 0.5f}, across) + Eigen::Vector2f(0.5f, 0.5f));
-  for (int j = 0; j < Network::kHeight * reads; ++j)
-    rows[j] = in_parts(region.to_frame({0.5f, j + 0.5f}, across) - first_px);
-  float* out = workspace.beside.data();
-  for (int v = 0; v < Network::kHeight; ++v)
-    for (int u = 0; u < Network::kWidth; ++u, out += 3) {
-      std::array<int, 3> sum{};
-      int within = 0;
-      for (int j = v * reads; j < (v + 1) * reads; ++j)
-        for (int i = u * reads; i < (u + 1) * reads; ++i) {
-          const std::int64_t x = (columns[i][0] + rows[j][0]) >> kParts,
-                             y = (columns[i][1] + rows[j][1]) >> kParts;
-          if (x < 0 || y < 0 || x >= frame.width_px || y >= frame.height_px) continue;
-          const std::array<int, 3> rgb = reader.rgb(static_cast<int>(x), static_cast<int>(y));
-          for (int c = 0; c < 3; ++c) sum[c] += rgb[c];
-          ++within;
-        }
-      constexpr float kGrey = 127.5f;
-      for (int c = 0; c < 3; ++c) out[c] = within > 0 ? static_cast<float>(sum[c]) / within : kGrey;
-    }
-}
-
 void HandFinder::Impl::look(const ImageView& frame, const FinderRegion& region) noexcept {
-  sample(frame, region);
+  take_samples(frame, grid_of(region), workspace.beside);
   HandCandidates there;
   read_constellations(FinderMaps(network.run(workspace)), there);
   const auto to_frame = [&](const Eigen::Vector2f& cells) {
