@@ -16,8 +16,8 @@ namespace handyar {
 struct PoseFilterConfig {
   double acceleration_m_s2 = 4.0;     ///< how hard a hand is expected to speed up; lower: smoother
   double acceleration_rad_s2 = 40.0;  ///< the same for turning
-  double gate_probability = 0.9999;   ///< a measurement less likely than 1 - this is an outlier
-  double max_coast_s = 0.25;          ///< without accepted measurements for longer: no prediction
+  double gate_probability = 0.9999;   ///< starts anew from what is less likely than 1 - this
+  double max_coast_s = 0.25;          ///< without measurements for longer: no prediction
   bool enabled = true;                ///< false: the raw pose passes through unfiltered
 };
 
@@ -56,14 +56,13 @@ class HANDYAR_API PoseFilter {
   /// Forgets everything; the next measurement starts anew.
   void reset() noexcept;
 
-  /// Takes a measurement made at `time_s` (after the previous one). Returns false when the gate
-  /// refused it as an outlier; refusals that agree with each other for kLongest_s start the
-  /// filter anew. Also false, and without effect, when a value is not finite or time does not
-  /// increase.
+  /// Takes a measurement made at `time_s` (after the previous one). Where no hand moves so that it
+  /// would come there, it starts anew from it. False, and without effect, when a value is not
+  /// finite or time does not increase.
   bool update(double time_s, const PoseEstimate& measurement) noexcept;
 
-  /// State carried to `time_s`; empty before the first measurement and when the last accepted one
-  /// is too long ago.
+  /// State carried to `time_s`; empty before the first measurement and when the last one is too
+  /// long ago.
   [[nodiscard]] std::optional<FilteredPose> predict(double time_s) const noexcept;
 
  private:
@@ -74,22 +73,16 @@ class HANDYAR_API PoseFilter {
     double probability = 1.0 / kLevels;
   };
 
-  HANDYAR_INTERNAL Eigen::Matrix<double, 6, 1> usual_speed() const noexcept;
   HANDYAR_INTERNAL void start(double time_s, const PoseEstimate& measurement) noexcept;
   HANDYAR_INTERNAL void mix(double dt_s) noexcept;
-  HANDYAR_INTERNAL bool refuse(double time_s, double dt_s,
-                               const PoseEstimate& measurement) noexcept;
   HANDYAR_INTERNAL MotionState combined() const noexcept;
 
   PoseFilterConfig config_;
   double gate_ = 0;  ///< of the squared Mahalanobis distance
   bool running_ = false;
-  double time_s_ = 0;           ///< of the states
-  double accepted_time_s_ = 0;  ///< of the last accepted measurement
+  double time_s_ = 0;  ///< of the states
   std::array<Level, kLevels> levels_;
   Matrix6d lasting_ = Matrix6d::Zero();  ///< covariance of what does not change between frames
-  double refused_s_ = 0;                 ///< for so long in a row, and in agreement
-  PoseEstimate refused_;
 };
 
 }  // namespace handyar

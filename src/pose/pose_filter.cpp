@@ -105,27 +105,20 @@ void MotionState::rest() noexcept {
 PoseFilter::PoseFilter(const PoseFilterConfig& config) noexcept
     : config_(config), gate_(chi2_quantile_6(config.gate_probability)) {}
 
-void PoseFilter::reset() noexcept {
-  running_ = false;
-  refused_s_ = 0;
-}
-
-/// What a hand that speeds up as hard as is expected reaches.
-Vector6d PoseFilter::usual_speed() const noexcept {
-  return kLongest_s * diagonal(config_.acceleration_rad_s2, config_.acceleration_m_s2);
-}
+void PoseFilter::reset() noexcept { running_ = false; }
 
 void PoseFilter::start(double time_s, const PoseEstimate& m) noexcept {
   MotionState state;
   state.rotation = Eigen::Quaterniond(m.T_camera_hand.linear());
   state.translation_m = m.T_camera_hand.translation();
   state.covariance.topLeftCorner<6, 6>() = noise_of(m);
-  state.covariance.bottomRightCorner<6, 6>().diagonal() = usual_speed().cwiseAbs2();
+  // What a hand that speeds up as hard as is expected reaches.
+  state.covariance.bottomRightCorner<6, 6>().diagonal() =
+      (kLongest_s * diagonal(config_.acceleration_rad_s2, config_.acceleration_m_s2)).cwiseAbs2();
   levels_.fill({state, 1.0 / kLevels});
   lasting_ = m.covariance - fresh_covariance(m);
-  time_s_ = accepted_time_s_ = time_s;
+  time_s_ = time_s;
   running_ = true;
-  refused_s_ = 0;
 }
 
 /// What each level starts from: the states of all, weighted by how probable a change to it is.
@@ -161,13 +154,12 @@ bool PoseFilter::update(double time_s, const PoseEstimate& m) noexcept {
       !m.covariance.allFinite() || !m.noise_covariance.allFinite())
     return false;
   if (running_ && time_s <= time_s_) return false;
-  if (!running_ || !config_.enabled || time_s - accepted_time_s_ > config_.max_coast_s) {
+  if (!running_ || !config_.enabled || time_s - time_s_ > config_.max_coast_s) {
     start(time_s, m);
     return true;
   }
 
   const double dt_s = time_s - time_s_;
-  time_s_ = time_s;
   mix(dt_s);
   const Matrix6d R = noise_of(m);
   // The square of an acceleration times how long it lasts is a spectral density.
@@ -192,7 +184,10 @@ bool PoseFilter::update(double time_s, const PoseEstimate& m) noexcept {
     log_likelihood[j] = -0.5 * (distance2 + log_det);
     least_distance2 = std::min(least_distance2, distance2);
   }
-  if (!(least_distance2 < gate_)) return refuse(time_s, dt_s, m);
+  if (!(least_distance2 < gate_)) {
+    start(time_s, m);
+    return true;
+  }
 
   const double best = *std::ranges::max_element(log_likelihood);
   double sum = 0;
@@ -208,24 +203,7 @@ bool PoseFilter::update(double time_s, const PoseEstimate& m) noexcept {
   }
   for (Level& level : levels_) level.probability = std::max(level.probability / sum, 1e-9);
   lasting_ = m.covariance - fresh_covariance(m);
-  accepted_time_s_ = time_s;
-  refused_s_ = 0;
-  return true;
-}
-
-/// Refusals that a moving hand could explain are the truth after a while, to the nearest frame.
-bool PoseFilter::refuse(double time_s, double dt_s, const PoseEstimate& m) noexcept {
-  if (refused_s_ > 0) {
-    const Vector6d y = innovation(Eigen::Quaterniond(refused_.T_camera_hand.linear()),
-                                  refused_.T_camera_hand.translation(), m);
-    Matrix6d S = noise_of(refused_) + noise_of(m);
-    S.diagonal() += (usual_speed() * dt_s).cwiseAbs2();
-    if (!(y.dot(S.ldlt().solve(y)) < gate_)) refused_s_ = 0;
-  }
-  refused_s_ += dt_s;
-  refused_ = m;
-  if (refused_s_ + dt_s / 2 < kLongest_s) return false;
-  start(time_s, m);
+  time_s_ = time_s;
   return true;
 }
 
@@ -247,7 +225,7 @@ MotionState PoseFilter::combined() const noexcept {
 }
 
 std::optional<FilteredPose> PoseFilter::predict(double time_s) const noexcept {
-  if (!running_ || !(time_s - accepted_time_s_ <= config_.max_coast_s)) return std::nullopt;
+  if (!running_ || !(time_s - time_s_ <= config_.max_coast_s)) return std::nullopt;
   MotionState state = combined();
   if (config_.enabled) {
     double share2 = 0;

@@ -34,8 +34,6 @@ class Gestures {
   bool folded() const noexcept { return leader_ != Gesture::open; }
   /// It does, or the palm is where it was and no posture fits: no open hand is to be claimed.
   bool holds() const noexcept { return folded() || holds_; }
-  /// It does, and in this frame no posture fits: the palm went on as it went.
-  bool guesses() const noexcept { return holds() && unclear_s_ > 0; }
   /// The hand was folded and is open again in this frame.
   bool opened() const noexcept { return opened_; }
   /// The hand that is held, or has just been opened.

@@ -147,12 +147,6 @@ void HandTracker::Impl::filter(double dt_s, TrackResult& result) noexcept {
   if (hand.source == HandSource::average_adult)
     raw.covariance.bottomRightCorner<3, 3>() += origin_covariance(raw.T_camera_hand);
   raw.rms_px = best.rms_px;
-  // A step from one to the other is no motion: the hand frame turns by half a turn, fingers that
-  // fold have pulled the hand along, and a hand that went on unseen is seen again.
-  const PoseSource source{in_view()->appearance.layout, seen.gestures.holds(),
-                          seen.gestures.guesses()};
-  if (source != seen.filtered) seen.filter.reset();
-  seen.filtered = source;
   seen.filter.update(seen.time_s, raw);
   const auto filtered = seen.filter.predict(seen.time_s);
   if (seen.gestures.holds()) {

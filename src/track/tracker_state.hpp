@@ -21,15 +21,6 @@ namespace handyar {
 /// hands would overlap. What is seen there is that hand, read alike or otherwise, and no other.
 inline constexpr float kSamePalm = 0.8f;
 
-/// Where a pose comes from: in which hand frame, and whether it is that of a hand that is held
-/// folded, or only where that one went on to.
-struct PoseSource {
-  Layout layout = Layout::thumb_right;
-  bool held = false, guessed = false;
-
-  bool operator==(const PoseSource&) const = default;
-};
-
 /// All that the tracker knows from frame to frame; resetting it forgets everything.
 struct TrackerState {
   double time_s = -std::numeric_limits<double>::infinity();
@@ -48,7 +39,6 @@ struct TrackerState {
   Person person;         ///< as last learned; a new hand begins with it
   double learned_s = 0;  ///< for how long the person's figure has been learned
   PoseFilter filter;
-  PoseSource filtered{};
   /// By which this hand is told from another, and whether the two that share a view met and have
   /// not been seen apart since.
   Appearance own{};

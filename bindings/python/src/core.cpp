@@ -235,7 +235,7 @@ void bind_filter(py::module_& m) {
       .def_readonly("acceleration_rad_s2", &PoseFilterConfig::acceleration_rad_s2,
                     "The same for turning, rad/s^2.")
       .def_readonly("gate_probability", &PoseFilterConfig::gate_probability,
-                    "A measurement less likely than 1 minus this is an outlier.")
+                    "Starts anew from a measurement less likely than 1 minus this.")
       .def_readonly("max_coast_s", &PoseFilterConfig::max_coast_s,
                     "Without accepted measurements for longer, seconds: no prediction.")
       .def_readonly("enabled", &PoseFilterConfig::enabled,
@@ -258,7 +258,8 @@ It holds still when the hand does and does not lag when it moves. Works for pose
           R"(Takes a pose, shape (4, 4), metres, measured at `time_s` (seconds, after the previous one).
 
 covariance: shape (6, 6), rotation (radians, about the camera's axes), translation (metres).
-False when it was refused as an outlier, or when a value is not finite or time does not increase.)")
+Starts anew from it where no hand moves so that it would come there. False when a value is not finite
+or time does not increase.)")
       .def("predict", &PoseFilter::predict, "time_s"_a,
            "The pose carried to `time_s` (seconds); None before the first measurement and when the "
            "last accepted one is too long ago.")
