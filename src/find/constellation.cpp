@@ -168,7 +168,6 @@ class Reader {
       hand.tips_px[f] = mirrored(tips.col(f));
       hand.palm_px += kPalmOfTips[f] * hand.tips_px[f];
     }
-    if (hand.span_px() < kLeastSpan) return;
     const float palm = maps_.largest_about(palm_map_, hand.palm_px, kNoPalm);
     hand.log_odds = odds(palm, tips_log_odds, white.squaredNorm());
     if (hand.log_odds >= kLeastOdds) hands_.offer(hand);

@@ -17,7 +17,7 @@ from samples import PALM_BY_TIPS, Samples, palm_of, thumb_right
 from train import as_input
 
 MOST_PEAKS, LEAST_TIP, NO_PALM = 5, -4.0, -8.0
-FREEDOM, LEAST_SPAN, SAME_HAND = 6.0, 3.0, 0.35
+FREEDOM, SAME_HAND = 6.0, 0.35
 MOST_CANDIDATES = 4
 # The source reads hands in the same way.
 RULES = f"""\
@@ -27,8 +27,6 @@ constexpr int kMostPeaks = {MOST_PEAKS};
 constexpr float kLeastTip = {LEAST_TIP}f, kNoPalm = {NO_PALM}f;
 // Constellations follow Student's distribution with so many degrees of freedom: thumbs go far.
 constexpr float kFreedom = {FREEDOM}f;
-// Hands of fewer cells from thumb to little finger are none.
-constexpr float kLeastSpan = {LEAST_SPAN}f;
 // Two palms nearer than this share of a span, or fingertips nearer than this share of a reach, are
 // one hand's.
 constexpr float kSameHand = {SAME_HAND}f;
@@ -82,7 +80,6 @@ def readings(maps, models):
             inside = ok & (at >= 0).all(1) & (at < [CELLS_X, CELLS_Y]).all(1)
             score = np.full(len(z), NO_PALM)
             score[inside] = around[at[inside, 1], at[inside, 0]]
-            ok &= np.linalg.norm(tips[:, 0] - tips[:, 4], axis=1) > LEAST_SPAN
             out.append((score[ok], logit[ok], d2[ok], gone[ok], np.full(ok.sum(), layout), tips[ok], palm[ok]))
     return [np.concatenate(c) for c in zip(*out)] if out else None
 
