@@ -4,18 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <map>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "bake.hpp"
 #include "gl.hpp"
+#include "gpu_model.hpp"
+#include "gpu_texture.hpp"
 #include "handyar/opencv/lens.hpp"
 #include "illumination.hpp"
 #include "matte.hpp"
+#include "region.hpp"
 #include "shaders.hpp"
 
 namespace handyar::render {
@@ -28,112 +27,6 @@ constexpr int kSamples = 4;
 const Vector3f kKeyDirection = Vector3f(-0.35f, -0.75f, -0.56f).normalized();
 
 void set(GLint location, const Vector3f& v) { glUniform3fv(location, 1, v.data()); }
-
-/// A texture without mipmaps at `unit`, clamped at its edges, linearly read.
-void upload(GLuint texture, int unit, GLint internal, int width, int height, GLenum format,
-            GLenum type, const void* data) {
-  glActiveTexture(GL_TEXTURE0 + unit);
-  glBindTexture(GL_TEXTURE_2D, texture);
-  for (GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, internal, width, height, 0, format, type, data);
-}
-
-using SharedTexture = std::shared_ptr<const gl::Texture>;
-
-SharedTexture uploaded(const cv::Mat& picture) {
-  GLint most_px = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most_px);
-  cv::Mat rgba = picture.isContinuous() ? picture : picture.clone();
-  if (std::max(rgba.cols, rgba.rows) > most_px)
-    cv::resize(picture, rgba, {std::min(rgba.cols, most_px), std::min(rgba.rows, most_px)}, 0, 0,
-               cv::INTER_AREA);
-  auto texture = std::make_shared<gl::Texture>();
-  upload(*texture, 0, GL_RGBA8, rgba.cols, rgba.rows, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
-  for (GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_REPEAT);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-  glGenerateMipmap(GL_TEXTURE_2D);
-  return texture;
-}
-
-struct GpuMesh {
-  gl::VertexArray array;
-  gl::Buffer vertices, indices;
-  SharedTexture texture;  ///< null: it has none
-  GLsizei index_count = 0;
-  Material material;
-  std::vector<Mesh::Moment> moments;
-  std::vector<Vertex> moved;  ///< what the buffer is filled with, where it moves
-
-  GpuMesh(const Mesh& mesh, SharedTexture its_texture)
-      : texture(std::move(its_texture)),
-        index_count(static_cast<GLsizei>(mesh.indices.size())),
-        material(mesh.material),
-        moments(mesh.moments) {
-    if (!moments.empty()) moved = mesh.vertices;
-    glBindVertexArray(array);
-    glBindBuffer(GL_ARRAY_BUFFER, vertices);
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(Vertex)),
-                 mesh.vertices.data(), GL_STATIC_DRAW);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER,
-                 static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(mesh.indices[0])),
-                 mesh.indices.data(), GL_STATIC_DRAW);
-    attribute(0, 3, offsetof(Vertex, position));
-    attribute(1, 3, offsetof(Vertex, normal));
-    attribute(2, 3, offsetof(Vertex, colour));
-    attribute(3, 2, offsetof(Vertex, uv));
-    attribute(4, 1, offsetof(Vertex, openness));
-    material.texture.release();
-  }
-
-  /// `share`: of the model's period.
-  void move(double share) {
-    if (moments.empty()) return;
-    const double at = share * static_cast<double>(moments.size());
-    const auto k = static_cast<std::size_t>(at);
-    const Mesh::Moment &before = moments[k % moments.size()],
-                       &after = moments[(k + 1) % moments.size()];
-    const auto weight = static_cast<float>(at - static_cast<double>(k));
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      moved[i].position = (1 - weight) * before.positions[i] + weight * after.positions[i];
-      moved[i].normal = (1 - weight) * before.normals[i] + weight * after.normals[i];
-    }
-    glBindBuffer(GL_ARRAY_BUFFER, vertices);
-    glBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(moved.size() * sizeof(Vertex)),
-                    moved.data());
-  }
-
- private:
-  static void attribute(GLuint index, GLint size, std::size_t offset) {
-    glEnableVertexAttribArray(index);
-    glVertexAttribPointer(index, size, GL_FLOAT, GL_FALSE, sizeof(Vertex),
-                          reinterpret_cast<const void*>(offset));
-  }
-};
-
-struct GpuModel {
-  std::vector<GpuMesh> meshes;
-  gl::Texture shadow;
-  Eigen::AlignedBox3f box;  ///< standing, longest side 1
-  double period_s;
-
-  explicit GpuModel(Model model) : box(model.bounds()), period_s(model.period_s) {
-    bake_openness(model);
-    std::map<const std::uint8_t*, SharedTexture> textures;  // meshes may have one in common
-    for (const Mesh& mesh : model.meshes) {
-      const cv::Mat& picture = mesh.material.texture;
-      SharedTexture& texture = textures[picture.data];
-      if (!texture && !picture.empty()) texture = uploaded(picture);
-      meshes.emplace_back(mesh, texture);
-    }
-    const cv::Mat rg = bake_shadow(model);
-    upload(shadow, 4, GL_RG8, rg.cols, rg.rows, GL_RG, GL_UNSIGNED_BYTE, rg.data);
-  }
-};
 
 /// Colour and depth, multisampled, and the single-sampled colour that it is resolved into.
 struct Target {
@@ -159,39 +52,6 @@ struct Target {
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, where, GL_RENDERBUFFER, buffer);
   }
 };
-
-/// Part of the frame that the instances and their shadows can touch.
-cv::Rect region_of(const Camera& camera, std::span<const Instance> instances,
-                   const std::vector<GpuModel>& models) {
-  constexpr std::array kShares{0.0, 0.25, 0.5, 0.75, 1.0};  // of an edge: distortion bends it
-  Eigen::AlignedBox2d all;
-  for (const Instance& instance : instances) {
-    if (instance.opacity <= 0) continue;
-    Eigen::AlignedBox3f box = models[instance.model].box;
-    if (instance.ground != Ground::none) {
-      box.extend(Vector3f(-1, -1, 0));
-      box.extend(Vector3f(1, 1, 0));
-    }
-    const Eigen::Vector3d low = box.min().cast<double>(), sizes = box.sizes().cast<double>();
-    for (const double x : kShares)
-      for (const double y : kShares)
-        for (const double z : kShares) {
-          const Eigen::Vector3d p_object =
-              instance.size_m * (low + Eigen::Vector3d(x, y, z).cwiseProduct(sizes));
-          const Eigen::Vector3d p = instance.T_camera_object * p_object;
-          const auto px = p.z() < 0.01 ? std::nullopt : shown_at(camera, p);
-          if (!px) return {0, 0, camera.width_px, camera.height_px};
-          all.extend(*px);
-        }
-  }
-  if (all.isEmpty()) return {};
-  constexpr double kFar = 1e4;  // keeps the corners within what an int holds
-  const Eigen::Vector2d low = all.min().array().max(-kFar).min(kFar).floor() - 2;
-  const Eigen::Vector2d high = all.max().array().max(-kFar).min(kFar).ceil() + 3;
-  const cv::Rect region(cv::Point(int(low.x()), int(low.y())),
-                        cv::Point(int(high.x()), int(high.y())));
-  return region & cv::Rect(0, 0, camera.width_px, camera.height_px);
-}
 
 /// Lays a premultiplied BGRA picture over a BGR one.
 void lay_over(const cv::Mat& bgra, cv::Mat frame_bgr) {
