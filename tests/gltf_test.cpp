@@ -44,7 +44,8 @@ class GltfFile : public testing::Test {
         << list << R"(]}], "nodes": [)" << all << R"(],
       "meshes": [{"primitives": [{"attributes": {"POSITION": 0)"
         << attributes << R"(}, "material": 0}]}], "materials": [)" << material << R"(],
-      "textures": [{"source": 0}, {"source": 1}],
+      "textures": [{"source": 0}, {"source": 1}, {"source": 0, "sampler": 0}],
+      "samplers": [{"wrapS": 33071, "wrapT": 33648}],
       "images": [{"uri": ")"
         << picture << R"("}, {"uri": "b.png"}],
       "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
@@ -124,6 +125,45 @@ TEST_F(GltfFile, ATextureOfTheOlderWayLiesAsItsTransformSaysToo) {
                            kAtCoordinates);
   EXPECT_TRUE(model.meshes.at(0).vertices.at(1).uv.isApprox(Eigen::Vector2f(0.5f, 0)));
   EXPECT_TRUE(model.meshes[0].vertices.at(2).uv.isApprox(Eigen::Vector2f(0, 0.25f)));
+}
+
+TEST_F(GltfFile, ATextureGoesOnBeyondItsEdgesAsItsSamplerSays) {
+  write_picture("a.png", {10, 20, 30, 255});
+  const Material plain = read(kTextured + "}", kAtCoordinates).meshes.at(0).material;
+  EXPECT_EQ(plain.wrap_u, Wrap::repeat);
+  EXPECT_EQ(plain.wrap_v, Wrap::repeat);
+  const Material sampled =
+      read(R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 2}}})", kAtCoordinates)
+          .meshes.at(0)
+          .material;
+  EXPECT_EQ(sampled.wrap_u, Wrap::clamp);
+  EXPECT_EQ(sampled.wrap_v, Wrap::mirror);
+}
+
+TEST_F(GltfFile, WhatShinesByItselfDoesSoInItsColourAndPicture) {
+  write_picture("b.png", {51, 102, 255, 255});
+  const Material dark =
+      read(R"({"emissiveTexture": {"index": 1}})", kAtCoordinates).meshes.at(0).material;
+  EXPECT_TRUE(dark.emission.isZero());
+  const Material light =
+      read(R"({"emissiveFactor": [0.5, 1, 0], "emissiveTexture": {"index": 1}})", kAtCoordinates)
+          .meshes.at(0)
+          .material;
+  EXPECT_TRUE(light.emission.isApprox(Eigen::Vector3f(std::pow(0.5f, 1 / 2.2f), 1, 0), 1e-5f));
+  ASSERT_FALSE(light.emission_texture.empty());
+  EXPECT_EQ(light.emission_texture.at<cv::Vec4b>(0, 0), cv::Vec4b(255, 102, 51, 255));
+}
+
+TEST_F(GltfFile, WhereNothingElseIsTheTextureOfTheEmissionSaysHowItLies) {
+  write_picture("a.png", {10, 20, 30, 255});
+  const Mesh mesh =
+      read(R"({"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 2, "texCoord": 1,
+      "extensions": {"KHR_texture_transform": {"offset": [0.25, 0]}}}})",
+           R"(, "TEXCOORD_0": 1, "TEXCOORD_1": 2)")
+          .meshes.at(0);
+  EXPECT_EQ(mesh.material.wrap_u, Wrap::clamp);
+  EXPECT_EQ(mesh.material.wrap_v, Wrap::mirror);
+  EXPECT_TRUE(mesh.vertices.at(0).uv.isApprox(Eigen::Vector2f(0.75f, 0.5f)));
 }
 
 TEST_F(GltfFile, RoughnessAndMetalAreThoseOfTheTextureInTheMean) {

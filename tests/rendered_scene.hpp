@@ -19,6 +19,8 @@ using Eigen::Vector3d;
 
 inline const cv::Vec3b kSkin(140, 160, 200), kRoom(90, 80, 60);
 
+inline bool is_red(const cv::Vec3b& c) { return c[2] > 60 && c[2] > 2 * c[0] && c[2] > 2 * c[1]; }
+
 /// A cube of side 1, so that positions in the test are those of its faces.
 inline Model cube() {
   Mesh mesh;

@@ -134,13 +134,17 @@ class Reader {
       fail("has an image whose mimeType is \"" + kind + "\"");
   }
 
-  /// Of the texture that colours a material (KHR_texture_transform).
+  /// Of the texture that colours a material, or of what it shines with by itself where none does
+  /// (KHR_texture_transform).
   static TextureTransform laid_by(const Json& material) {
     using Where = Json::json_pointer;
     static const Where kColour("/pbrMetallicRoughness/baseColorTexture"),
         kDiffuse("/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture"),
-        kTransform("/extensions/KHR_texture_transform");
-    const Where where = (material.contains(kColour) ? kColour : kDiffuse) / kTransform;
+        kEmission("/emissiveTexture"), kTransform("/extensions/KHR_texture_transform");
+    const Where where = (material.contains(kColour)    ? kColour
+                         : material.contains(kDiffuse) ? kDiffuse
+                                                       : kEmission) /
+                        kTransform;
     TextureTransform transform;
     if (!material.contains(where)) return transform;
     const Json& by = material[where];

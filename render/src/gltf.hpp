@@ -8,7 +8,7 @@
 
 namespace handyar::render {
 
-/// How the texture that colours a material lies on a mesh, v downwards.
+/// How the textures of a material lie on a mesh, v downwards.
 struct TextureTransform {
   Eigen::Affine2f laid = Eigen::Affine2f::Identity();
   std::optional<unsigned> coordinates;  ///< which of the mesh's, where not those that assimp tells

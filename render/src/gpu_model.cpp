@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "bake.hpp"
@@ -18,8 +19,9 @@ void attribute(GLuint index, GLint size, std::size_t offset) {
 
 }  // namespace
 
-GpuMesh::GpuMesh(const Mesh& mesh, SharedTexture its_texture)
+GpuMesh::GpuMesh(const Mesh& mesh, SharedTexture its_texture, SharedTexture its_emission_texture)
     : texture(std::move(its_texture)),
+      emission_texture(std::move(its_emission_texture)),
       index_count(static_cast<GLsizei>(mesh.indices.size())),
       material(mesh.material),
       moments(mesh.moments) {
@@ -38,6 +40,7 @@ GpuMesh::GpuMesh(const Mesh& mesh, SharedTexture its_texture)
   attribute(3, 2, offsetof(Vertex, uv));
   attribute(4, 1, offsetof(Vertex, openness));
   material.texture.release();
+  material.emission_texture.release();
 }
 
 void GpuMesh::move(double share) {
@@ -58,12 +61,17 @@ void GpuMesh::move(double share) {
 
 GpuModel::GpuModel(Model model) : box(model.bounds()), period_s(model.period_s) {
   bake_openness(model);
-  std::map<const std::uint8_t*, SharedTexture> textures;  // meshes may have one in common
+  // Meshes may have one in common.
+  std::map<std::tuple<const std::uint8_t*, Wrap, Wrap>, SharedTexture> textures;
   for (const Mesh& mesh : model.meshes) {
-    const cv::Mat& picture = mesh.material.texture;
-    SharedTexture& texture = textures[picture.data];
-    if (!texture && !picture.empty()) texture = uploaded(picture);
-    meshes.emplace_back(mesh, texture);
+    const auto shared = [&, &material = mesh.material](const cv::Mat& picture) {
+      SharedTexture& texture = textures[{picture.data, material.wrap_u, material.wrap_v}];
+      if (!texture && !picture.empty())
+        texture = uploaded(picture, material.wrap_u, material.wrap_v);
+      return texture;
+    };
+    meshes.emplace_back(mesh, shared(mesh.material.texture),
+                        shared(mesh.material.emission_texture));
   }
   const cv::Mat rg = bake_shadow(model);
   upload(shadow, 4, GL_RG8, rg.cols, rg.rows, GL_RG, GL_UNSIGNED_BYTE, rg.data);

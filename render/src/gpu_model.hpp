@@ -14,13 +14,13 @@ namespace handyar::render {
 struct GpuMesh {
   gl::VertexArray array;
   gl::Buffer vertices, indices;
-  SharedTexture texture;  ///< null: it has none
+  SharedTexture texture, emission_texture;  ///< null: it has none
   GLsizei index_count = 0;
   Material material;
   std::vector<Mesh::Moment> moments;
   std::vector<Vertex> moved;  ///< what the buffer is filled with, where it moves
 
-  GpuMesh(const Mesh& mesh, SharedTexture its_texture);
+  GpuMesh(const Mesh& mesh, SharedTexture its_texture, SharedTexture its_emission_texture);
 
   /// `share`: of the model's period.
   void move(double share);

@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 
 #include "gl.hpp"
+#include "handyar/render/model.hpp"
 
 namespace handyar::render {
 
@@ -14,7 +15,7 @@ void upload(GLuint texture, int unit, GLint internal, int width, int height, GLe
 
 using SharedTexture = std::shared_ptr<const gl::Texture>;
 
-/// A picture (8-bit RGBA) with mipmaps, repeated beyond its edges; shrunk to what OpenGL takes.
-SharedTexture uploaded(const cv::Mat& picture);
+/// A picture (8-bit RGBA) with mipmaps; shrunk to what OpenGL takes.
+SharedTexture uploaded(const cv::Mat& picture, Wrap wrap_u, Wrap wrap_v);
 
 }  // namespace handyar::render

@@ -28,6 +28,13 @@ const Vector3f kKeyDirection = Vector3f(-0.35f, -0.75f, -0.56f).normalized();
 
 void set(GLint location, const Vector3f& v) { glUniform3fv(location, 1, v.data()); }
 
+/// Binds a texture at `unit`, if there is one; the uniform at `is_there` says so.
+void put_texture(const SharedTexture& texture, int unit, GLint is_there) {
+  glUniform1i(is_there, texture != nullptr);
+  glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+  glBindTexture(GL_TEXTURE_2D, texture ? GLuint(*texture) : 0);
+}
+
 /// Colour and depth, multisampled, and the single-sampled colour that it is resolved into.
 struct Target {
   int width_px, height_px;
@@ -135,6 +142,7 @@ struct Renderer::Impl {
     glUniform1i(object["surface"], 0);
     glUniform1i(object["ambient"], 2);
     glUniform1i(object["mirrored"], 3);
+    glUniform1i(object["emission_surface"], 5);
     set(object["key"], light.key());
     set(object["key_direction"], kKeyDirection);
     for (const Instance& instance : instances) {
@@ -150,9 +158,9 @@ struct Renderer::Impl {
         glUniform1f(object["roughness"], roughness);
         glUniform1f(object["shine"], std::max(1.0f, 2 / std::pow(roughness, 4.0f) - 2));
         glUniform1f(object["metallic"], mesh.material.metallic);
-        glUniform1i(object["textured"], mesh.texture != nullptr);
-        glActiveTexture(GL_TEXTURE0);
-        glBindTexture(GL_TEXTURE_2D, mesh.texture ? GLuint(*mesh.texture) : 0);
+        set(object["emission"], mesh.material.emission.cwiseAbs2());
+        put_texture(mesh.texture, 0, object["textured"]);
+        put_texture(mesh.emission_texture, 5, object["emission_textured"]);
         glBindVertexArray(mesh.array);
         glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
       }

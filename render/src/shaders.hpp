@@ -75,9 +75,9 @@ void main() {
 )";
 
 inline constexpr char kObjectFragment[] = R"(
-uniform sampler2D surface;
-uniform bool textured;
-uniform vec3 base_colour;  // linear
+uniform sampler2D surface, emission_surface;
+uniform bool textured, emission_textured;
+uniform vec3 base_colour, emission;  // linear
 uniform float roughness, metallic;
 uniform float shine;       // Blinn's exponent for that roughness
 uniform float opacity, glow;
@@ -95,6 +95,11 @@ vec2 ball(vec3 d) { return 0.5 + 0.5 * d.xy / sqrt(2.0 * (1.0 + abs(d.z))) * 1.2
 
 void main() {
   // Gamma 2 for sRGB throughout: a square and a root are cheap in software.
+  vec3 own_light = emission;
+  if (emission_textured) {  // read before anything is discarded: its mipmaps need the neighbours
+    vec3 t = texture(emission_surface, st).rgb;
+    own_light *= t * t;
+  }
   vec4 base = vec4(albedo * base_colour, 1.0);
   if (textured) {
     vec4 t = texture(surface, st);
@@ -126,6 +131,7 @@ void main() {
             (mirror * open * mix(0.4, 1.0, gloss) + 0.6 * key * min(lobe, 12.0) * max(n_l, 0.0));
 
   colour += glow * (0.25 * base.rgb + vec3(1.0, 0.75, 0.25) * 0.9 * grazing2);
+  colour += own_light;
 
   float alpha = opacity * seen_past_hand(p);
   result = vec4(sqrt(min(colour, 1.0)), 1.0) * alpha;

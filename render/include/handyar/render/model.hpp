@@ -19,12 +19,20 @@ struct Vertex {
   float openness = 1;  ///< share of the sky seen from here, 0..1 (baked ambient occlusion)
 };
 
+/// How a texture goes on beyond its edges.
+enum class Wrap : std::uint8_t { repeat, mirror, clamp };
+
 /// How a surface answers light. `colour` multiplies the vertices' and the texture's.
 struct Material {
   Eigen::Vector3f colour = Eigen::Vector3f::Ones();  ///< sRGB, 0..1
   float roughness = 0.4f;                            ///< 0 mirror .. 1 chalk
   float metallic = 0;                                ///< 0 .. 1
   cv::Mat texture;                                   ///< 8-bit RGBA, top row first; may be empty
+  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+  /// Light of its own, in full whatever falls on the surface: sRGB, multiplied by its texture
+  /// (8-bit RGBA, laid like the other one) where that is not empty.
+  Eigen::Vector3f emission = Eigen::Vector3f::Zero();
+  cv::Mat emission_texture;
 };
 
 /// Triangles that share a material.
