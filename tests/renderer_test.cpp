@@ -232,6 +232,33 @@ TEST_F(RendererTest, WhatIsOutOfViewOrBehindTheCameraIsHarmless) {
   }
 }
 
+TEST_F(RendererTest, WhatReachesPastTheCameraIsCutOffThere) {
+  // A wall beside the camera, from 1 m before it to 1 m behind it, in one piece: it fills the
+  // picture's right side up to where its far end is.
+  Model wall;
+  Mesh& mesh = wall.meshes.emplace_back();
+  for (const float z : {-0.5f, 0.5f})
+    for (const float y : {-0.5f, 0.5f})
+      mesh.vertices.push_back({{0, y, z}, -Eigen::Vector3f::UnitX()});
+  mesh.indices = {0, 1, 2, 2, 1, 3};
+  Isometry3d T = Isometry3d::Identity();
+  T.translation() = Vector3d(0.2, 0, -1);
+  Instance instance = red(T, 2);
+  instance.model = renderer.add(wall);
+  Camera bent = camera;
+  bent.distortion = {-0.28, 0.09, 0, 0, 0};
+  for (const Camera& seen_by : {camera, bent}) {
+    cv::Mat out = frame();
+    renderer.draw(out, seen_by, {&instance, 1});
+    const double far_end_px = seen_by.project({0.2, 1, 1}).x();
+    for (int y = 0; y < out.rows; y += 20)
+      for (int x = 0; x < out.cols; ++x) {
+        if (std::abs(x - far_end_px) < 1) continue;
+        ASSERT_EQ(out.at<cv::Vec3b>(y, x) != kRoom, x > far_end_px) << x << ", " << y;
+      }
+  }
+}
+
 TEST(WindowTest, FitsTheScreenAndKeepsTheAspect) {
   EXPECT_EQ(window_size({640, 480}, {1280, 800}), cv::Size(640, 480));
   EXPECT_EQ(window_size({4096, 2160}, {1280, 800}), cv::Size(1280, 675));

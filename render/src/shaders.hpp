@@ -11,18 +11,21 @@ uniform float k[5];      // k1, k2, p1, p2, k3
 uniform float r2_max;    // beyond this the polynomial turns back
 uniform vec2 size_px;
 
+// What is not in front of the camera, or too far to the side for the distortion to mean anything,
+// stays undistorted: that is linear in p, so that OpenGL clips edges where they leave the view.
 vec4 project(vec3 p) {
   const float near = 0.01, far = 100.0;
-  vec2 x = p.xy / max(p.z, 1e-4);
-  float r2 = dot(x, x);
-  if (r2 < r2_max) {
+  vec2 x_z = p.xy;  // as the lens bends it, times z
+  float r2 = dot(p.xy, p.xy) / (p.z * p.z);
+  if (p.z > 0.0 && r2 < r2_max) {
+    vec2 x = p.xy / p.z;
     float radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
-    x = x * radial + vec2(2.0 * k[2] * x.x * x.y + k[3] * (r2 + 2.0 * x.x * x.x),
-                          k[2] * (r2 + 2.0 * x.y * x.y) + 2.0 * k[3] * x.x * x.y);
+    x_z = p.z * (x * radial + vec2(2.0 * k[2] * x.x * x.y + k[3] * (r2 + 2.0 * x.x * x.x),
+                                   k[2] * (r2 + 2.0 * x.y * x.y) + 2.0 * k[3] * x.x * x.y));
   }
-  vec2 px = fc.xy * x + fc.zw;
-  vec2 ndc = (px + 0.5) / size_px * 2.0 - 1.0;
-  return vec4(ndc * p.z, (far + near) / (far - near) * p.z - 2.0 * far * near / (far - near), p.z);
+  vec2 px_z = fc.xy * x_z + fc.zw * p.z;
+  vec2 ndc_z = (px_z + 0.5 * p.z) / size_px * 2.0 - p.z;
+  return vec4(ndc_z, (far + near) / (far - near) * p.z - 2.0 * far * near / (far - near), p.z);
 }
 )";
 
