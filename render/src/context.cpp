@@ -17,18 +17,13 @@ class HeadlessContext final : public Context {
     EGLConfig config = nullptr;
     EGLint count = 0;
     eglChooseConfig(display_, config_attributes, &config, 1, &count);
-    const EGLint context_attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                         3,
-                                         EGL_CONTEXT_MINOR_VERSION,
-                                         3,
-                                         EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+    const EGLint context_attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 1,
                                          EGL_NONE};
     if (count > 0 && eglBindAPI(EGL_OPENGL_API))
       context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, context_attributes);
     if (context_ == EGL_NO_CONTEXT) {
       eglTerminate(display_);
-      throw io::Error("OpenGL", "this machine offers no OpenGL 3.3 through EGL");
+      throw io::Error("OpenGL", "this machine offers no OpenGL 3.1 through EGL");
     }
     make_current();
   }

@@ -22,9 +22,12 @@ void attach(GLuint program, GLenum kind, const std::string& source) {
 
 }  // namespace
 
-Program::Program(const std::string& vertex_source, const std::string& fragment_source) {
+Program::Program(const std::string& vertex_source, const std::string& fragment_source,
+                 std::span<const char* const> attributes) {
   attach(name_, GL_VERTEX_SHADER, vertex_source);
   attach(name_, GL_FRAGMENT_SHADER, fragment_source);
+  for (GLuint location = 0; location < attributes.size(); ++location)
+    glBindAttribLocation(name_, location, attributes[location]);
   glLinkProgram(name_);
   GLint ok = 0;
   glGetProgramiv(name_, GL_LINK_STATUS, &ok);

@@ -3,6 +3,7 @@
 
 #include <epoxy/gl.h>
 
+#include <span>
 #include <string>
 #include <utility>
 
@@ -61,7 +62,9 @@ using Framebuffer = Name<FramebufferTraits>;
 /// A linked pair of shaders. Throws std::runtime_error with the compiler's first words.
 class Program {
  public:
-  Program(const std::string& vertex_source, const std::string& fragment_source);
+  /// `attributes`: of the vertex shader, which get the locations 0, 1, ...
+  Program(const std::string& vertex_source, const std::string& fragment_source,
+          std::span<const char* const> attributes = {});
   void use() const { glUseProgram(name_); }
   /// Location of a uniform; -1 when the compiler dropped it, which OpenGL ignores.
   GLint operator[](const char* uniform) const { return glGetUniformLocation(name_, uniform); }

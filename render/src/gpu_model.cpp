@@ -34,6 +34,7 @@ GpuMesh::GpuMesh(const Mesh& mesh, SharedTexture its_texture, SharedTexture its_
   glBufferData(GL_ELEMENT_ARRAY_BUFFER,
                static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(mesh.indices[0])),
                mesh.indices.data(), GL_STATIC_DRAW);
+  // In the order of shaders::kObjectAttributes.
   attribute(0, 3, offsetof(Vertex, position));
   attribute(1, 3, offsetof(Vertex, normal));
   attribute(2, 3, offsetof(Vertex, colour));

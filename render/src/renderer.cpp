@@ -80,7 +80,8 @@ void lay_over(const cv::Mat& bgra, cv::Mat frame_bgr) {
 struct Renderer::Impl {
   std::shared_ptr<Context> context;
   gl::Program object{std::string(shaders::kCamera) + shaders::kObjectVertex,
-                     std::string(shaders::kHand) + shaders::kObjectFragment};
+                     std::string(shaders::kHand) + shaders::kObjectFragment,
+                     shaders::kObjectAttributes};
   gl::Program ground{std::string(shaders::kCamera) + shaders::kGroundVertex,
                      std::string(shaders::kHand) + shaders::kGroundFragment};
   gl::VertexArray no_vertices;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+
 namespace handyar::render::shaders {
 
 /// Common to all: the camera with its distortion. Row 0 of the target is the top row of the frame,
 /// so that gl_FragCoord - 0.5 is the pixel in the frame.
-inline constexpr char kCamera[] = R"(#version 330 core
+inline constexpr char kCamera[] = R"(#version 140
 uniform vec4 fc;         // fx, fy, cx, cy in pixels
 uniform float k[5];      // k1, k2, p1, p2, k3
 uniform float r2_max;    // beyond this the polynomial turns back
@@ -30,7 +32,7 @@ vec4 project(vec3 p) {
 )";
 
 /// How much of a point at `p` (camera frame) the hand leaves to be seen.
-inline constexpr char kHand[] = R"(#version 330 core
+inline constexpr char kHand[] = R"(#version 140
 uniform sampler2D matte;        // coverage, rounding; over the region being drawn
 uniform ivec2 matte_origin_px;
 uniform int hand;               // 0 none, 1 nearer than everything, 2 in its plane
@@ -54,14 +56,17 @@ float seen_past_hand(vec3 p) {
 }
 )";
 
+/// The inputs of kObjectVertex, in the order of their locations.
+inline constexpr std::array kObjectAttributes{"position", "normal", "colour", "uv", "openness"};
+
 inline constexpr char kObjectVertex[] = R"(
 uniform mat4 T_camera_object;
 uniform float size_m;
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-layout(location = 2) in vec3 colour;
-layout(location = 3) in vec2 uv;
-layout(location = 4) in float openness;
+in vec3 position;
+in vec3 normal;
+in vec3 colour;
+in vec2 uv;
+in float openness;
 out vec3 p;
 out vec3 n;
 out vec3 albedo;

@@ -34,7 +34,7 @@ cv::Size window_size(cv::Size picture_px, cv::Size free_px) {
 
 struct Window::Painter {
   gl::Program program{
-      R"(#version 330 core
+      R"(#version 140
 uniform vec2 scale;
 out vec2 uv;
 void main() {
@@ -42,7 +42,7 @@ void main() {
   uv = vec2(corner.x, 1.0 - corner.y);
   gl_Position = vec4(scale * (2.0 * corner - 1.0), 0.0, 1.0);
 })",
-      R"(#version 330 core
+      R"(#version 140
 uniform sampler2D picture;
 in vec2 uv;
 out vec4 colour;
@@ -54,15 +54,14 @@ void main() { colour = vec4(texture(picture, uv).rgb, 1.0); })"};
 Window::Window(int width_px, int height_px, const std::string& title) {
   if (!glfwInit()) throw io::Error("--show", "there is no display to open a window on");
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 1);
   // EGL like the headless context: a thread cannot go from one of EGL to one of GLX.
   glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
   const cv::Size size = window_size({width_px, height_px}, free_of_screen());
   window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
   if (!window_) {
     glfwTerminate();
-    throw io::Error("--show", "this display offers no OpenGL 3.3");
+    throw io::Error("--show", "this display offers no OpenGL 3.1");
   }
   glfwSetInputMode(window_, GLFW_STICKY_KEYS,
                    GLFW_TRUE);  // a short press between two frames counts

@@ -5,7 +5,8 @@
 
 namespace handyar::render {
 
-/// An OpenGL 3.3 core context, current on the thread that made it until another is made current.
+/// An OpenGL context of version 3.1 or newer, what the graphics of a Raspberry Pi 4 offer; current
+/// on the thread that made it until another is made current.
 class Context {
  public:
   virtual ~Context() = default;

@@ -18,7 +18,7 @@ namespace handyar::render {
 class HandOverlay {
  public:
   /// `size_m`: longest side of the object; `where`: the place of the hand that it stands on. Throws
-  /// io::Error without OpenGL 3.3.
+  /// io::Error without OpenGL 3.1.
   explicit HandOverlay(const Model& model, double size_m = 0.09,
                        Attachment where = Attachment::face,
                        std::shared_ptr<Context> context = headless_context());

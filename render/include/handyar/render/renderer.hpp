@@ -49,7 +49,7 @@ struct HandOccluder {
 class Renderer {
  public:
   /// Draws in `context`, which is made current by every call. Throws io::Error without
-  /// OpenGL 3.3.
+  /// OpenGL 3.1.
   explicit Renderer(std::shared_ptr<Context> context = headless_context());
   ~Renderer();
   Renderer(Renderer&&) noexcept;
