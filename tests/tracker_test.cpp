@@ -275,6 +275,19 @@ TEST(Tracker, FingersThatMoveLeaveThePalmsPoseAndAreReported) {
   EXPECT_LT(abduction_rad, deg(1.5)) << "of 2.6 deg in the mean that they move";
 }
 
+TEST(Tracker, AThumbThatBendsInThePalmPlaneIsFollowedAndReported) {
+  for (const double bend_rad : {-0.3, 0.3}) {
+    Film film;
+    film.hand.state.posture.thumb_bend_rad = bend_rad;
+    ASSERT_LT(film.until(State::tracking, 1), 1) << bend_rad;
+    for (int i = 0; i < 15; ++i) film.next();
+    ASSERT_TRUE(film.result.pose) << bend_rad;
+    EXPECT_NEAR(film.result.thumb_bend_rad, bend_rad, deg(6));
+    EXPECT_LT(film.worst_tip_px(), 4) << bend_rad;
+    EXPECT_LT(rotation_error_rad(film), deg(4)) << bend_rad;
+  }
+}
+
 TEST(Tracker, FingersSideBySideAreNoSmallerHand) {
   for (const double closing : {0.0, 0.4, 0.7, 0.9}) {
     Film film;

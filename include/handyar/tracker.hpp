@@ -61,10 +61,12 @@ struct TrackResult {
   std::array<Tip, kFingerCount> tips;  ///< in finger order; while acquiring the best so far
   std::array<Tip, kValleyCount> webs;  ///< web i between finger i and i + 1
   std::array<FingerState, kFingerCount> fingers;  ///< while an open hand is followed
-  std::optional<PoseEstimate> raw_pose;           ///< from this frame alone, before the filter
-  std::optional<FilteredPose> pose;               ///< filtered, at this frame's time
-  Gesture gesture = Gesture::open;                ///< held for a tenth of a second at least
-  std::optional<GestureEvent> gesture_event;      ///< that this frame completed
+  /// Of each of the two last joints of the thumb, in the palm plane, away from the fingers.
+  double thumb_bend_rad = 0;
+  std::optional<PoseEstimate> raw_pose;       ///< from this frame alone, before the filter
+  std::optional<FilteredPose> pose;           ///< filtered, at this frame's time
+  Gesture gesture = Gesture::open;            ///< held for a tenth of a second at least
+  std::optional<GestureEvent> gesture_event;  ///< that this frame completed
   /// While fingers are folded there is no `pose`; this is where the palm is, so that an object
   /// stays on it. Less sure than a pose; there is none of a hand that was not seen open before.
   std::optional<FilteredPose> held_pose;

@@ -26,6 +26,7 @@ void HandState::correct(const HandVector& step) noexcept {
     posture.abduction_rad[f] += step[kAbductionAt + f];
     posture.flexion_rad[f] += step[kFlexionAt + f];
   }
+  posture.thumb_bend_rad += step[kThumbBendAt];
   boundary_px += step[kBoundaryAt];
   figure += step.tail<kFigureModes>();
 }
@@ -39,6 +40,7 @@ HandVector HandState::difference(const HandState& other) const noexcept {
     d[kAbductionAt + f] = other.posture.abduction_rad[f] - posture.abduction_rad[f];
     d[kFlexionAt + f] = other.posture.flexion_rad[f] - posture.flexion_rad[f];
   }
+  d[kThumbBendAt] = other.posture.thumb_bend_rad - posture.thumb_bend_rad;
   d[kBoundaryAt] = other.boundary_px - boundary_px;
   d.tail<kFigureModes>() = other.figure - figure;
   return d;

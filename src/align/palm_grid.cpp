@@ -2,16 +2,21 @@
 #include "align/palm_grid.hpp"
 
 namespace handyar {
+namespace {
+
+// A palm reaches beyond the spheres at its corners by this share of their radii.
+constexpr float kWider = 0.6f;
+
+}  // namespace
 
 std::array<PalmField, 3> palm_surface(const HandFigure& figure) noexcept {
   const auto top = [&](int sphere) -> Eigen::Vector3f {
     return (figure.centres_m.col(sphere) + Eigen::Vector3d(0, 0, figure.radii_m[sphere]))
         .cast<float>();
   };
-  // To the outline, which lies a radius beyond the spheres at the palm's corners.
   const auto side = [&](int sphere, int from) -> Eigen::Vector3f {
     const Eigen::Vector3f outwards = (top(sphere) - top(from)).normalized();
-    return top(sphere) + static_cast<float>(figure.radii_m[sphere]) * outwards;
+    return top(sphere) + kWider * static_cast<float>(figure.radii_m[sphere]) * outwards;
   };
   const int first = sphere_of(1, 0), last = sphere_of(4, 0);
   const Eigen::Vector3f wrist_thumb = side(kWristThumb, kWristLittle),

@@ -90,6 +90,7 @@ void Silhouette::project(const HandFigure& figure, const PosedFigure& posed, con
     J_[s].middleCols<3>(3) = by_point;
     J_[s].col(6) = by_point * (R * posed.by_abduction_m.col(s));
     J_[s].col(7) = by_point * (R * posed.by_flexion_m.col(s));
+    J_[s].col(8) = by_point * (R * posed.by_thumb_bend_m.col(s));
     const FigureDerivative by_figure = figure_derivative(s, figure.face, figure.layout);
     J_[s].rightCols<kFigureModes>() = by_point * R * by_figure.topRows<3>();
     J_[s].bottomRightCorner<1, kFigureModes>() += k * by_figure.bottomRows<1>();
@@ -210,6 +211,7 @@ Eigen::Matrix<double, 1, kHandFreedoms> Silhouette::derivative(
     if (finger == kFingerCount) return;
     row[kAbductionAt + finger] += j[6];
     row[kFlexionAt + finger] += j[7];
+    row[kThumbBendAt] += j[8];
   };
   if (k.a == k.b) {
     add(k.a, 1);
@@ -248,6 +250,7 @@ PlaceDerivative Silhouette::place_derivative(
   J.leftCols<6>() = own.leftCols<6>();
   J.col(kAbductionAt + finger) = own.col(6);
   J.col(kFlexionAt + finger) = own.col(7);
+  J.col(kThumbBendAt) = own.col(8);
   J.rightCols<kFigureModes>() = own.rightCols<kFigureModes>();
   return J;
 }

@@ -115,8 +115,8 @@ class Silhouette {
   double f_px_ = 0, depth_m_ = 1;
   std::array<float, kDiscs> x_{}, y_{}, r_{};
   // Rows x, y, radius; columns rotation, translation, abduction and flexion of the sphere's finger,
-  // figure.
-  static constexpr int kOwnFigureAt = 8, kOwnFreedoms = kOwnFigureAt + kFigureModes;
+  // the thumb's bend, figure.
+  static constexpr int kOwnFigureAt = 9, kOwnFreedoms = kOwnFigureAt + kFigureModes;
   std::array<Eigen::Matrix<double, 3, kOwnFreedoms>, kSphereCount> J_;
   Capsules capsules_;
   Sheets sheets_;

@@ -35,7 +35,7 @@ Eigen::Vector3d mirror(Face face, Layout layout) {
 
 PosedFigure pose_fingers(const HandFigure& figure, const Posture& posture) noexcept {
   PosedFigure posed{figure.centres_m, HandFigure::Centres::Zero(), HandFigure::Centres::Zero(),
-                    figure.tips_m};
+                    HandFigure::Centres::Zero(), figure.tips_m};
   const double to_thumb = figure.layout == Layout::thumb_right ? -1 : 1;
   const double to_palm = figure.face == Face::palm ? 1 : -1;
   const Eigen::Vector3d normal(0, 0, to_thumb);
@@ -51,18 +51,28 @@ PosedFigure pose_fingers(const HandFigure& figure, const Posture& posture) noexc
     const Eigen::Matrix3d bend = abduct * turn(bend_axis, flexion);
     const Eigen::Matrix3d bend_middle = bend * turn(bend_axis, kMiddleShare * flexion);
     const Eigen::Vector3d middle_m = root_m + bend * (figure.centres_m.col(middle) - root_m);
-    const auto moved = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
-      return middle_m + bend_middle * (p - figure.centres_m.col(middle));
+    const Eigen::Matrix3d curve = turn(normal, f == 0 ? posture.thumb_bend_rad : 0);
+    const Eigen::Vector3d last_bone = figure.centres_m.col(end - 1) - figure.centres_m.col(middle);
+    const auto moved = [&](const Eigen::Vector3d& p, bool last) -> Eigen::Vector3d {
+      const Eigen::Vector3d from_middle = p - figure.centres_m.col(middle);
+      const Eigen::Vector3d curved =
+          last ? (last_bone + curve * (from_middle - last_bone)).eval() : from_middle;
+      return middle_m + bend_middle * (curve * curved);
     };
-    const Eigen::Vector3d axis = abduct * bend_axis;
+    const Eigen::Vector3d axis = abduct * bend_axis, curve_axis = bend_middle * normal;
     for (int joint = 1; joint < kFingerSpheres; ++joint) {
       const int s = sphere_of(f, joint);
-      const Eigen::Vector3d p = joint == 1 ? middle_m : moved(figure.centres_m.col(s));
+      const bool last = joint == kFingerSpheres - 1;
+      const Eigen::Vector3d p = joint == 1 ? middle_m : moved(figure.centres_m.col(s), last);
       posed.centres_m.col(s) = p;
+      if (f == 0) {
+        posed.by_thumb_bend_m.col(s) = curve_axis.cross(p - middle_m);
+        if (last) posed.by_thumb_bend_m.col(s) += curve_axis.cross(p - posed.centres_m.col(s - 1));
+      }
       posed.by_abduction_m.col(s) = normal.cross(p - root_m);
       posed.by_flexion_m.col(s) = axis.cross(p - root_m) + kMiddleShare * axis.cross(p - middle_m);
     }
-    posed.tips_m.col(f) = moved(figure.tips_m.col(f));
+    posed.tips_m.col(f) = moved(figure.tips_m.col(f), true);
   }
   return posed;
 }

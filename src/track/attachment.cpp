@@ -84,6 +84,7 @@ Eigen::Isometry3d T_hand_attachment(Attachment where, const HandModel& hand,
     posture.abduction_rad[f] = result.fingers[f].abduction_rad;
     posture.flexion_rad[f] = result.fingers[f].flexion_rad;
   }
+  posture.thumb_bend_rad = result.thumb_bend_rad;
   const PosedFigure posed = pose_fingers(figure, posture);
   if (where >= Attachment::thumb_tip)
     return on_tip(posed, number(where) - number(Attachment::thumb_tip));

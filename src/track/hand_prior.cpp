@@ -17,11 +17,13 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
                moves = liveliness * std::sqrt(1 - keeps * keeps);
   for (double& angle_rad : prior.mean.posture.abduction_rad) angle_rad *= keeps;
   for (double& angle_rad : prior.mean.posture.flexion_rad) angle_rad *= keeps;
+  prior.mean.posture.thumb_bend_rad *= keeps;
   prior.mean.figure = person.mean();
   HandVector sigma = HandVector::Ones();
   sigma.head<3>().setConstant(motion.rotation_sigma_rad);
   sigma.segment<3>(3).setConstant(motion.translation_sigma_m);
   for (int f = 0; f < kFingerCount; ++f) sigma[kFlexionAt + f] = moves * finger_sigma_rad(f);
+  sigma[kThumbBendAt] = moves * finger_sigma_rad(0);
   sigma[kBoundaryAt] = motion.boundary_sigma_px;
   prior.information = sigma.array().square().inverse().matrix().asDiagonal();
   const Eigen::Matrix<double, kFingerCount, kFingerCount> abduction =

@@ -15,6 +15,9 @@ namespace {
 // A new hand's colours are taken ever nearer to its outline while the figure settles on it, roughly
 // from each start, then finely from where these ended.
 constexpr std::array<Steps, 2> kRoughly{{{4, 3}, {3, 2}}}, kFinely{{{2, 1}, {1, 1}}};
+// Whether a hand is small or its fingers are close together is told badly, and a figure that has
+// settled in a wrong size stays in it: it begins with its fingers apart and almost side by side.
+constexpr std::array<double, 2> kClosed{0, 0.7};
 
 /// What a frame says counts by the time it stands for.
 double share_of(double dt_s, const TrackerConfig& config) {
@@ -134,15 +137,14 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
     if (known && face != *known) continue;
     const HandFigure figure = make_figure(person.mean(), face, candidate.layout);
     Hypotheses rough;
-    // Whether a hand is small or its fingers are close together is told badly, and a figure that
-    // has settled in a wrong size stays in it: it begins with its fingers apart and side by side.
-    for (const bool closed : {false, true}) {
+    for (const double closed : kClosed) {
       Hypothesis h;
       h.appearance = {face, candidate.layout};
       h.person = person;
       HandState& state = h.alignment.state;
       state.figure = person.mean();
-      if (closed) std::ranges::copy(closing_rad(), state.posture.abduction_rad.begin());
+      for (int f = 0; f < kFingerCount; ++f)
+        state.posture.abduction_rad[f] = closed * closing_rad()[f];
       state.T_camera_hand = start_pose(fingers, pose_fingers(figure, state.posture), camera,
                                        config.motion.rotation_sigma_rad);
       HandPrior prior = beginning.prior_at(state.T_camera_hand);

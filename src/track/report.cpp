@@ -56,6 +56,7 @@ void HandTracker::Impl::report(TrackResult& result) noexcept {
   for (int f = 0; f < kFingerCount; ++f)
     result.fingers[f] = {state.posture.abduction_rad[f], sigma[kAbductionAt + f],
                          state.posture.flexion_rad[f], sigma[kFlexionAt + f]};
+  result.thumb_bend_rad = state.posture.thumb_bend_rad;
   if (seen.state != State::tracking) {
     result.raw_pose.reset();
     result.pose.reset();

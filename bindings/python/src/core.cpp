@@ -431,6 +431,13 @@ None without a hand.)")
       .def_property_readonly("flexion_sigma_rad", &of_fingers<&FingerState::flexion_sigma_rad>,
                              "Standard deviations of `flexion_rad`, shape (5,).")
       .def_property_readonly(
+          "thumb_bend_rad",
+          [](const TrackResult& r) {
+            return r.raw_pose ? std::optional(r.thumb_bend_rad) : std::nullopt;
+          },
+          "How far each of the thumb's two last joints is bent in the palm plane, away from the "
+          "fingers, radians from rest; None without a hand.")
+      .def_property_readonly(
           "gesture", [](const TrackResult& r) { return name(r.gesture); },
           "What the fingers do, for a tenth of a second at least: 'open' (outstretched, or not "
           "known to do anything else), 'fist' (all closed) or 'four' (the thumb folded into the "

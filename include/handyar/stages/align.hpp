@@ -17,10 +17,11 @@
 namespace handyar {
 
 /// What is estimated of a hand in one frame, in this order: rotation (3, on the left, camera axes),
-/// translation (3), abduction and flexion of each finger, by how much the outline in the picture
-/// lies outside the figure's (blur and halo), and the person's figure.
-inline constexpr int kAbductionAt = 6, kFlexionAt = 11, kBoundaryAt = 16, kFigureAt = 17,
-                     kHandFreedoms = kFigureAt + kFigureModes;
+/// translation (3), abduction and flexion of each finger, the thumb's bend in the palm plane, by
+/// how much the outline in the picture lies outside the figure's (blur and halo), and the person's
+/// figure.
+inline constexpr int kAbductionAt = 6, kFlexionAt = 11, kThumbBendAt = 16, kBoundaryAt = 17,
+                     kFigureAt = 18, kHandFreedoms = kFigureAt + kFigureModes;
 using HandVector = Eigen::Matrix<double, kHandFreedoms, 1>;
 using HandMatrix = Eigen::Matrix<double, kHandFreedoms, kHandFreedoms>;
 

@@ -22,9 +22,11 @@ constexpr int finger_of(int sphere) noexcept {
 }
 
 /// How the fingers stand against the person's rest posture: turned in the palm plane towards the
-/// thumb (abduction), bent towards the palm (flexion).
+/// thumb (abduction), bent towards the palm (flexion); and by how much the thumb's two last joints
+/// bend in the palm plane, away from the fingers.
 struct Posture {
   std::array<double, kFingerCount> abduction_rad{}, flexion_rad{};
+  double thumb_bend_rad = 0;
 };
 
 /// A solid hand: spheres, and the convex hulls of two or three of them (tapered capsules and palm
@@ -44,12 +46,12 @@ struct HandFigure {
 
 /// A figure whose fingers have moved, and how each sphere's centre moves with its own finger.
 struct PosedFigure {
-  HandFigure::Centres centres_m, by_abduction_m, by_flexion_m;
+  HandFigure::Centres centres_m, by_abduction_m, by_flexion_m, by_thumb_bend_m;
   HandFigure::Tips tips_m;
 };
 
 /// Fingers turn about their roots in the palm plane; they bend at the root and by a share of it at
-/// the joint after it.
+/// the joint after it. The thumb's joints after its root turn in the palm plane, too.
 PosedFigure pose_fingers(const HandFigure& figure, const Posture& posture) noexcept;
 
 /// How fingers turn when those of an average hand at rest, all apart, come to lie side by side
