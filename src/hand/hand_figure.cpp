@@ -51,6 +51,7 @@ PosedFigure pose_fingers(const HandFigure& figure, const Posture& posture) noexc
     const Eigen::Matrix3d bend = abduct * turn(bend_axis, flexion);
     const Eigen::Matrix3d bend_middle = bend * turn(bend_axis, kMiddleShare * flexion);
     const Eigen::Vector3d middle_m = root_m + bend * (figure.centres_m.col(middle) - root_m);
+    // In the palm plane the thumb alone bends, at the joint after its root and at the last alike.
     const Eigen::Matrix3d curve = turn(normal, f == 0 ? posture.thumb_bend_rad : 0);
     const Eigen::Vector3d last_bone = figure.centres_m.col(end - 1) - figure.centres_m.col(middle);
     const auto moved = [&](const Eigen::Vector3d& p, bool last) -> Eigen::Vector3d {
