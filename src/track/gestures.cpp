@@ -44,8 +44,7 @@ constexpr int kThumb = 0;
 
 /// What is usual, and how the hand moves, is the mean of about this time, in which frames are alike
 /// and a hand goes on as it went; for so long it may with no posture that fits, then it is given
-/// up. Fingers on their way pull the figure along within frames: of `gesture` the palm strays by 10
-/// px at most, by 16 where it is held still.
+/// up. Held still instead, it strays farther (docs/tried.md, "A palm while fingers move").
 double while_s(const BeliefConfig& belief) { return belief.same_s + kLongest_s; }
 
 /// Nearly all of it is there: a hand that turns its edge leaves a part of its palm.
@@ -73,10 +72,6 @@ bool Gestures::fits(const Alignment& open, const BeliefConfig& belief) const noe
   const double folded_rad = kFingers[static_cast<int>(Gesture::four)].abduction_rad[kThumb];
   return open.state.posture.abduction_rad[kThumb] > 0.5 * folded_rad &&
          open.log_ratio > usual_ratio_ - belief.seen();
-}
-
-double Gestures::kept(double dt_s, const BeliefConfig& belief) const noexcept {
-  return usual_ratio_ > 0 ? std::exp(-dt_s / while_s(belief)) : 0;
 }
 
 void Gestures::remember(const Hypothesis& open, double keep) noexcept {
@@ -173,7 +168,7 @@ void Gestures::update(const ImageView& frame, const Camera& camera, const Hypoth
                       double dt_s, const TrackerConfig& config, Aligner& aligner) noexcept {
   event_.reset();
   watches_ = opened_ = false;
-  const double keep = kept(dt_s, config.belief);
+  const double keep = usual_ratio_ > 0 ? std::exp(-dt_s / while_s(config.belief)) : 0;
   if (tracked && fits(tracked->alignment, config.belief)) {
     open();
     remember(*tracked, keep);

@@ -48,8 +48,7 @@ class Gestures {
   const Alignment& laid(Gesture posture) const noexcept { return laid_[static_cast<int>(posture)]; }
   double ratio(Gesture posture) const noexcept { return laid(posture).log_ratio; }
 
-  /// Of what is usual the share that stays.
-  double kept(double dt_s, const BeliefConfig& belief) const noexcept;
+  /// `keep`: of what is usual the share that stays.
   void remember(const Hypothesis& open, double keep) noexcept;
   void carry(Gesture posture, double dt_s, double keep) noexcept;
   /// The palm goes on as it went.

@@ -237,7 +237,7 @@ void bind_filter(py::module_& m) {
       .def_readonly("gate_probability", &PoseFilterConfig::gate_probability,
                     "Starts anew from a measurement less likely than 1 minus this.")
       .def_readonly("max_coast_s", &PoseFilterConfig::max_coast_s,
-                    "Without accepted measurements for longer, seconds: no prediction.")
+                    "Without measurements for longer, seconds: no prediction.")
       .def_readonly("enabled", &PoseFilterConfig::enabled,
                     "False: the raw pose passes through unfiltered.");
 
