@@ -99,16 +99,22 @@ TEST(Aligner, HandsAndRoomsOfAnyColourAreToldApart) {
   }
 }
 
-TEST(Aligner, AFingerThatIsNotThereHasNotTheColoursOfTheRest) {
+TEST(Aligner, OutlineAndColoursTellWhichPartsAreThere) {
   Scene scene;
   test::DrawnHand thumb_in = scene.hand;
   thumb_in.state.posture = {{-0.75, 0, 0, 0, 0}, {0.95, 0, 0, 0, 0}};
-  enum class Shown { open, folded, before_a_box };  // of a thumb's shape
-  for (const Shown shown : {Shown::open, Shown::folded, Shown::before_a_box}) {
+  // The box lies behind other fingers, too. A thumb in a light of its own is there.
+  enum class Shown { open, in_its_own_light, folded, before_a_box };
+  for (const Shown shown :
+       {Shown::open, Shown::in_its_own_light, Shown::folded, Shown::before_a_box}) {
+    const bool there = shown == Shown::open || shown == Shown::in_its_own_light;
     const Eigen::Isometry3d& T = scene.hand.state.T_camera_hand;
     scene.picture = test::Picture(640, 480);
     scene.picture.texture(24, "Scene");
     if (shown == Shown::before_a_box)
+      scene.picture.paint(scene.hand, scene.camera, Eigen::Translation3d(0.01, 0.01, 0) * T,
+                          {60, 60, 190});
+    if (shown == Shown::in_its_own_light)
       scene.picture.paint(scene.hand, scene.camera, T, {60, 60, 190});
     scene.picture.paint(shown == Shown::open ? scene.hand : thumb_in, scene.camera, T);
     scene.picture.add_noise(4, 1);
@@ -116,21 +122,26 @@ TEST(Aligner, AFingerThatIsNotThereHasNotTheColoursOfTheRest) {
     scene.aligner.forget();
     scene.aligner.learn(scene.picture.view(), scene.camera, scene.hand.appearance, scene.hand.state,
                         0, 1);
-    const PartShares shares = scene.aligner.shares_of_hand(scene.picture.view(), scene.camera,
-                                                           scene.hand.appearance, scene.hand.state);
+    const Alignment a = scene.align(scene.hand.state);
+    ASSERT_TRUE(a.valid);
+    const PartsInside inside = scene.aligner.colors_inside(scene.picture.view(), scene.camera,
+                                                           scene.hand.appearance, a.state);
+    EXPECT_EQ(scene.aligner.is_whole(scene.picture.view(), scene.camera, scene.hand.appearance, a),
+              there);
     for (int part = 0; part <= kFingerCount; ++part) {
-      ASSERT_TRUE(shares[part]) << part;
-      EXPECT_EQ(is_gone(shares[part]), shown != Shown::open && part == 0)
-          << static_cast<int>(shown) << ", part " << part << ": " << *shares[part];
+      ASSERT_TRUE(inside[part]) << part;
+      EXPECT_EQ(inside[part]->log_ratio + a.part_log_ratios[part] < 0, !there && part == 0)
+          << static_cast<int>(shown) << ", part " << part << ": " << inside[part]->log_ratio
+          << " inside, " << a.part_log_ratios[part] << " at its outline";
+      EXPECT_EQ(inside[part]->share < 0.2, shown != Shown::open && part == 0)
+          << static_cast<int>(shown) << ", part " << part;
     }
   }
   HandState away = scene.hand.state;
   away.T_camera_hand.translation().x() += 5;
-  for (const std::optional<double>& share : scene.aligner.shares_of_hand(
-           scene.picture.view(), scene.camera, scene.hand.appearance, away)) {
-    EXPECT_FALSE(share);
-    EXPECT_FALSE(is_there(share) || is_gone(share)) << "nobody knows";
-  }
+  for (const auto& part :
+       scene.aligner.colors_inside(scene.picture.view(), scene.camera, scene.hand.appearance, away))
+    EXPECT_FALSE(part) << "nobody knows";
 }
 
 TEST(Aligner, TheOutlineReportedIsWhereTheHandEnds) {

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "align/boundary_line.hpp"
 #include "align/outline_colors.hpp"
@@ -152,7 +153,8 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   HandMatrix H = HandMatrix::Zero();
   HandVector g = HandVector::Zero();
   outline_count = 0;
-  double log_ratio = 0, squares = 0, weights = 0;
+  std::array<double, kFingerCount + 1> part_log_ratios{};
+  double squares = 0, weights = 0;
   for (int i = 0; i < anchor_count; ++i) {
     const OutlineAnchor& anchor = anchors[i];
     OutlinePlace place = silhouette.place(anchor);
@@ -166,7 +168,7 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
     const double weight = kLineWeight * 2 / (1 + z * z) / (sigma * sigma);
     add_square(J.data(), weight, H.data());
     g += weight * mu * J.transpose();
-    log_ratio += kLineWeight * found.log_ratio;
+    part_log_ratios[finger] += kLineWeight * found.log_ratio;
     squares += weight * mu * mu;
     weights += weight;
     outline[outline_count++] = {line.frame_px(), line.frame_normal(), found.mean_px,
@@ -180,9 +182,10 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   H += prior.information;
   g += pull;
   a.information = H;
-  a.log_ratio = log_ratio;
+  a.part_log_ratios = part_log_ratios;
+  a.log_ratio = std::accumulate(part_log_ratios.begin(), part_log_ratios.end(), 0.0);
   a.rms_px = std::sqrt(squares / weights);
-  a.log_posterior = log_ratio - 0.5 * off.dot(pull);
+  a.log_posterior = a.log_ratio - 0.5 * off.dot(pull);
   const Eigen::LLT<HandMatrix> llt(H);
   if (llt.info() != Eigen::Success) return false;
   a.state.correct(llt.solve(g));
@@ -204,11 +207,11 @@ Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearanc
   return a;
 }
 
-PartShares Aligner::shares_of_hand(const ImageView& frame, const Camera& camera,
+PartsInside Aligner::colors_inside(const ImageView& frame, const Camera& camera,
                                    Appearance appearance, const HandState& state) const noexcept {
   const PixelReader reader(frame);
   const PosedFigure posed = posed_figure(appearance, state);
-  PartShares shares;
+  PartsInside inside;
   for (int part = 0; part <= kFingerCount; ++part) {
     const Inside points = points_inside(posed, part);
     std::array<ColorBin, kMostInside> bins{};
@@ -221,14 +224,24 @@ PartShares Aligner::shares_of_hand(const ImageView& frame, const Camera& camera,
       bins[count++] = reader.bin(reader.nearest_x(px.x()), reader.nearest_y(px.y()));
     }
     if (2 * count < kMostInside) continue;
-    // By the rest of the hand's colours: a finger's own are those of what it was laid on.
     std::array<float, kMostInside> ratios{};
     impl_->colors.log_ratios_by_rest(part, {bins.data(), count}, ratios);
-    shares[part] = static_cast<double>(std::count_if(ratios.begin(), ratios.begin() + count,
-                                                     [](float ratio) { return ratio > 0; })) /
-                   static_cast<double>(count);
+    PartInside& of_part = inside[part].emplace();
+    for (std::size_t i = 0; i < count; ++i) {
+      of_part.share += ratios[i] > 0 ? 1.0 / static_cast<double>(count) : 0;
+      // A point tells as much as a line across the outline, and may be as wrong.
+      of_part.log_ratio += kLineWeight * std::clamp(ratios[i], -kMostEvidence, kMostEvidence);
+    }
   }
-  return shares;
+  return inside;
+}
+
+bool Aligner::is_whole(const ImageView& frame, const Camera& camera, Appearance appearance,
+                       const Alignment& alignment) const noexcept {
+  const PartsInside inside = colors_inside(frame, camera, appearance, alignment.state);
+  return std::ranges::equal(
+      inside, alignment.part_log_ratios,
+      [](const auto& part, double outline) { return !part || part->log_ratio + outline >= 0; });
 }
 
 void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance appearance,

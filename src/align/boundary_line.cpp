@@ -17,7 +17,6 @@ constexpr float kRatioWeight = 0.3f;
 // A step in luma of this many levels doubles how likely a boundary is there.
 constexpr float kCalmStep = 8.0f;
 constexpr float kLeastVariance = 1.0f / 12;  // segments squared: it may lie anywhere in one
-constexpr float kMostEvidence = 3.0f;        // of one line, nats: a line may be wrong altogether
 
 /// Pixels of a line, from inside to outside.
 struct LinePixels {

@@ -13,6 +13,9 @@
 
 namespace handyar {
 
+/// No line, and no point, tells more: it may be wrong altogether. Nats.
+inline constexpr float kMostEvidence = 3.0f;
+
 /// Where along a line the boundary between hand and background lies.
 struct Boundary {
   float mean_px = 0, sigma_px = 1;  ///< from the line's place, outwards

@@ -88,7 +88,7 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     // Where an open hand may be folding, only another one is taken that is as good, and none where
     // it is: with colours learned from what lies there a missing thumb looks as good as any.
     if (seen.gestures.watches() && !seen.gestures.fits(best, config.belief)) continue;
-    const bool whole = is_whole(fresh.best(), frame, scout);
+    const bool whole = scout.is_whole(frame, camera, fresh.best().appearance, best);
     // Of two readings of one hand the picture decides, of two hands the one that is believed more.
     const bool better = reading == Reading::otherwise
                             ? best.log_ratio > followed_ratio

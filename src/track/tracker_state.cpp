@@ -67,19 +67,14 @@ void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
   seen.hypotheses.reconsider(frame, camera, dt_s, config, aligner);
   if (!can_be_seen || follows_hand_of_other()) seen.hypotheses.clear();
   if (!has_hand()) return;
-  seen.whole = is_whole(seen.hypotheses.best(), frame, aligner);
+  const Hypothesis& best = seen.hypotheses.best();
+  seen.whole = aligner.is_whole(frame, camera, best.appearance, best.alignment);
   tell_from_other();
 }
 
 void HandTracker::Impl::keep_outline() noexcept {
   const std::span<const OutlinePoint> its = aligner.outline();
   outline.assign(its.begin(), its.end());
-}
-
-bool HandTracker::Impl::is_whole(const Hypothesis& its, const ImageView& frame,
-                                 const Aligner& by) const noexcept {
-  return std::ranges::none_of(by.shares_of_hand(frame, camera, its.appearance, its.alignment.state),
-                              is_gone);
 }
 
 void HandTracker::Impl::compare_postures(const ImageView& frame, double dt_s) noexcept {

@@ -66,8 +66,6 @@ struct HandTracker::Impl {
   const Hypothesis* in_view() const noexcept;
   void reset() noexcept;
 
-  /// Whether no part of a hand is gone, by the colours that were learned with it.
-  bool is_whole(const Hypothesis& its, const ImageView& frame, const Aligner& by) const noexcept;
   HandPlace place_of(const Hypothesis& its) const noexcept;
   HandPlace followed() const noexcept { return place_of(seen.hypotheses.best()); }
   /// How the finder reads the place where a hand is followed.

@@ -90,6 +90,8 @@ struct Alignment {
   HandMatrix information = HandMatrix::Zero();  ///< inverse covariance of the state, prior included
   /// Log likelihood ratio of a hand there against none, of this frame alone, nats.
   double log_ratio = 0;
+  /// What it is the sum of: of the outlines of the fingers and, last, of the palm.
+  std::array<double, kFingerCount + 1> part_log_ratios{};
   /// Less the prior's cost: what tells appearances and planar solutions apart.
   double log_posterior = 0;
   double rms_px = 0;  ///< between the figure's outline and the picture's, outliers weighing less
@@ -98,16 +100,13 @@ struct Alignment {
 /// The pose's part of a state's information, the rest marginalised out (Schur complement).
 Matrix6d pose_information(const HandMatrix& information) noexcept;
 
-/// Shares of the hand's parts, the fingers and last the palm, 0 to 1; empty where most of a part is
-/// out of the frame.
-using PartShares = std::array<std::optional<double>, kFingerCount + 1>;
-
-/// A part is where it is expected from this share on, and gone below. Of eleven clips' open hands
-/// every part has more in 99 % of the frames of seven and in 92 % of each; of a thumb that is
-/// folded in and was laid on the door behind 85 % have less, the median none.
-inline constexpr double kThere = 0.2;
-inline bool is_there(std::optional<double> share) { return share && *share >= kThere; }
-inline bool is_gone(std::optional<double> share) { return share && *share < kThere; }
+/// What the colours of points inside a part of the hand say.
+struct PartInside {
+  double share = 0;      ///< of points that have the hand's colours, 0 to 1
+  double log_ratio = 0;  ///< of the part being there against not, nats
+};
+/// The fingers' and last the palm's; empty where most of a part is out of the frame.
+using PartsInside = std::array<std::optional<PartInside>, kFingerCount + 1>;
 
 /// Lays a hand figure on pictures, by the colours on both sides of its outline and by edges, and
 /// learns the colours. Region-based tracking with sparse lines after Stoiber et al., "SRT3D"
@@ -140,11 +139,15 @@ class Aligner {
   void learn_texture(const ImageView& frame, const Camera& camera, Appearance appearance,
                      const Alignment& alignment, double blend, double views) noexcept;
 
-  /// Which parts of a state's figure are there: of the inside of each finger from its middle joint
-  /// on, and of the palm (the last), the share whose colours are rather those of the rest of the
-  /// hand than those behind it.
-  PartShares shares_of_hand(const ImageView& frame, const Camera& camera, Appearance appearance,
+  /// What the colours inside a state's figure say of its parts, the fingers from their middle
+  /// joints on and last the palm: whether they are those of the rest of the hand or those behind
+  /// it. A part's own would not tell, for they were learned from what it was laid on.
+  PartsInside colors_inside(const ImageView& frame, const Camera& camera, Appearance appearance,
                             const HandState& state) const noexcept;
+
+  /// Whether every part of a hand is there, by its outline and the colours inside.
+  bool is_whole(const ImageView& frame, const Camera& camera, Appearance appearance,
+                const Alignment& alignment) const noexcept;
 
   /// The outline of the last alignment. Valid until the next call.
   std::span<const OutlinePoint> outline() const noexcept;
