@@ -124,24 +124,20 @@ TEST(Aligner, OutlineAndColoursTellWhichPartsAreThere) {
                         0, 1);
     const Alignment a = scene.align(scene.hand.state);
     ASSERT_TRUE(a.valid);
-    const PartsInside inside = scene.aligner.colors_inside(scene.picture.view(), scene.camera,
-                                                           scene.hand.appearance, a.state);
+    const PartRatios inside = scene.aligner.ratios_inside(scene.picture.view(), scene.camera,
+                                                          scene.hand.appearance, a.state);
     EXPECT_EQ(scene.aligner.is_whole(scene.picture.view(), scene.camera, scene.hand.appearance, a),
               there);
-    for (int part = 0; part <= kFingerCount; ++part) {
-      ASSERT_TRUE(inside[part]) << part;
-      EXPECT_EQ(inside[part]->log_ratio + a.part_log_ratios[part] < 0, !there && part == 0)
-          << static_cast<int>(shown) << ", part " << part << ": " << inside[part]->log_ratio
-          << " inside, " << a.part_log_ratios[part] << " at its outline";
-      EXPECT_EQ(inside[part]->share < 0.2, shown != Shown::open && part == 0)
-          << static_cast<int>(shown) << ", part " << part;
-    }
+    for (int part = 0; part <= kFingerCount; ++part)
+      EXPECT_EQ(inside[part] + a.part_log_ratios[part] < 0, !there && part == 0)
+          << static_cast<int>(shown) << ", part " << part << ": " << inside[part] << " inside, "
+          << a.part_log_ratios[part] << " at its outline";
   }
   HandState away = scene.hand.state;
   away.T_camera_hand.translation().x() += 5;
-  for (const auto& part :
-       scene.aligner.colors_inside(scene.picture.view(), scene.camera, scene.hand.appearance, away))
-    EXPECT_FALSE(part) << "nobody knows";
+  for (const double of_part :
+       scene.aligner.ratios_inside(scene.picture.view(), scene.camera, scene.hand.appearance, away))
+    EXPECT_EQ(of_part, 0) << "nobody knows";
 }
 
 TEST(Aligner, TheOutlineReportedIsWhereTheHandEnds) {

@@ -153,7 +153,7 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   HandMatrix H = HandMatrix::Zero();
   HandVector g = HandVector::Zero();
   outline_count = 0;
-  std::array<double, kFingerCount + 1> part_log_ratios{};
+  PartRatios part_log_ratios{};
   double squares = 0, weights = 0;
   for (int i = 0; i < anchor_count; ++i) {
     const OutlineAnchor& anchor = anchors[i];
@@ -207,11 +207,11 @@ Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearanc
   return a;
 }
 
-PartsInside Aligner::colors_inside(const ImageView& frame, const Camera& camera,
-                                   Appearance appearance, const HandState& state) const noexcept {
+PartRatios Aligner::ratios_inside(const ImageView& frame, const Camera& camera,
+                                  Appearance appearance, const HandState& state) const noexcept {
   const PixelReader reader(frame);
   const PosedFigure posed = posed_figure(appearance, state);
-  PartsInside inside;
+  PartRatios inside{};
   for (int part = 0; part <= kFingerCount; ++part) {
     const Inside points = points_inside(posed, part);
     std::array<ColorBin, kMostInside> bins{};
@@ -226,22 +226,18 @@ PartsInside Aligner::colors_inside(const ImageView& frame, const Camera& camera,
     if (2 * count < kMostInside) continue;
     std::array<float, kMostInside> ratios{};
     impl_->colors.log_ratios_by_rest(part, {bins.data(), count}, ratios);
-    PartInside& of_part = inside[part].emplace();
-    for (std::size_t i = 0; i < count; ++i) {
-      of_part.share += ratios[i] > 0 ? 1.0 / static_cast<double>(count) : 0;
-      // A point tells as much as a line across the outline, and may be as wrong.
-      of_part.log_ratio += kLineWeight * std::clamp(ratios[i], -kMostEvidence, kMostEvidence);
-    }
+    // A point tells as much as a line across the outline, and may be wrong as well.
+    for (std::size_t i = 0; i < count; ++i)
+      inside[part] += kLineWeight * std::clamp(ratios[i], -kMostEvidence, kMostEvidence);
   }
   return inside;
 }
 
 bool Aligner::is_whole(const ImageView& frame, const Camera& camera, Appearance appearance,
                        const Alignment& alignment) const noexcept {
-  const PartsInside inside = colors_inside(frame, camera, appearance, alignment.state);
-  return std::ranges::equal(
-      inside, alignment.part_log_ratios,
-      [](const auto& part, double outline) { return !part || part->log_ratio + outline >= 0; });
+  const PartRatios inside = ratios_inside(frame, camera, appearance, alignment.state);
+  return std::ranges::equal(inside, alignment.part_log_ratios,
+                            [](double colors, double outline) { return colors + outline >= 0; });
 }
 
 void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance appearance,

@@ -47,31 +47,23 @@ constexpr int kThumb = 0;
 /// up. Held still instead, it strays farther (docs/tried.md, "A palm while fingers move").
 double while_s(const BeliefConfig& belief) { return belief.same_s + kLongest_s; }
 
-// A part is where it is expected from this share on, and gone below. Of eleven clips' open hands
-// every part has more in 99 % of the frames of seven and in 92 % of each; of a thumb that is folded
-// in and was laid on the door behind 85 % have less, the median none.
-constexpr double kThere = 0.2;
-bool is_there(const std::optional<PartInside>& part) { return part && part->share >= kThere; }
-bool is_gone(const std::optional<PartInside>& part) { return part && part->share < kThere; }
-
-/// Nearly all of it is there: a hand that turns its edge leaves a part of its palm.
-bool is_all_there(const std::optional<PartInside>& part) {
-  return part && part->share > 1 - kThere;
-}
+// What the colours inside a part say; where they say nothing it is neither.
+bool is_gone(double log_ratio) { return log_ratio < 0; }
+bool is_there(double log_ratio) { return log_ratio > 0; }
 
 /// How many of the fingers but the thumb are gone.
-int gone_fingers(const PartsInside& inside) {
+int gone_fingers(const PartRatios& inside) {
   return static_cast<int>(
       std::count_if(inside.begin() + 1, inside.begin() + kFingerCount, is_gone));
 }
-bool is_fist(const PartsInside& inside) {
-  return is_all_there(inside[kFingerCount]) && is_gone(inside[kThumb]) &&
+bool is_fist(const PartRatios& inside) {
+  return is_there(inside[kFingerCount]) && is_gone(inside[kThumb]) &&
          gone_fingers(inside) == kFingerCount - 1;
 }
-bool is_folding(const PartsInside& inside) {
+bool is_folding(const PartRatios& inside) {
   return is_there(inside[kFingerCount]) && gone_fingers(inside) >= 2;
 }
-bool is_four(const PartsInside& inside) {
+bool is_four(const PartRatios& inside) {
   return is_gone(inside[kThumb]) && std::all_of(inside.begin() + 1, inside.end(), is_there);
 }
 
@@ -135,11 +127,11 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, double dt_s,
   }
 }
 
-PartsInside Gestures::inside(const HandState& state, const ImageView& frame, const Camera& camera,
-                             const Aligner& aligner) const noexcept {
+PartRatios Gestures::inside(const HandState& state, const ImageView& frame, const Camera& camera,
+                            const Aligner& aligner) const noexcept {
   HandState outstretched = state;
   outstretched.posture = {};
-  return aligner.colors_inside(frame, camera, hand_.appearance, outstretched);
+  return aligner.ratios_inside(frame, camera, hand_.appearance, outstretched);
 }
 
 Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, const Camera& camera,
@@ -155,8 +147,8 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   double whole = whole_ratio(hand_.appearance, laid(Gesture::open));
   if (tracked) whole = std::max(whole, whole_ratio(tracked->appearance, tracked->alignment));
   // Better by as much as tells a hand from none, and not surely none itself: else fingers that open
-  // again would pull the palm along. A four need only explain the picture better than a hand whose
-  // thumb is there.
+  // again would pull the palm along. A four need only explain the picture better than what has a
+  // thumb.
   const double enough = config.belief.seen();
   if (ratio(Gesture::fist) > std::max(-enough, outstretched + enough) &&
       is_fist(inside(laid(Gesture::fist).state, frame, camera, aligner)))

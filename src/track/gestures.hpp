@@ -59,9 +59,9 @@ class Gestures {
   /// The posture that explains the picture; open where none does surely.
   Gesture choose(const Hypothesis* tracked, const ImageView& frame, const Camera& camera,
                  const TrackerConfig& config, const Aligner& aligner) const noexcept;
-  /// Aligner::colors_inside where fingers would be if they were outstretched.
-  PartsInside inside(const HandState& state, const ImageView& frame, const Camera& camera,
-                     const Aligner& aligner) const noexcept;
+  /// Aligner::ratios_inside where fingers would be if they were outstretched.
+  PartRatios inside(const HandState& state, const ImageView& frame, const Camera& camera,
+                    const Aligner& aligner) const noexcept;
   void lead(Gesture posture, double dt_s, double keep) noexcept;
 
   Hypothesis hand_;                        ///< as last seen, open or folded; moving as is usual

@@ -82,6 +82,10 @@ struct Steps {
 };
 inline constexpr Steps kFarSteps{4, 1}, kNearSteps{2, 1};
 
+/// What a picture says of the hand's parts, the fingers and last the palm: log likelihood ratios of
+/// each there against not, nats.
+using PartRatios = std::array<double, kFingerCount + 1>;
+
 /// A figure laid on a picture.
 struct Alignment {
   bool valid = false;  ///< false: no such hand can be seen, the rest is meaningless
@@ -90,8 +94,7 @@ struct Alignment {
   HandMatrix information = HandMatrix::Zero();  ///< inverse covariance of the state, prior included
   /// Log likelihood ratio of a hand there against none, of this frame alone, nats.
   double log_ratio = 0;
-  /// What it is the sum of: of the outlines of the fingers and, last, of the palm.
-  std::array<double, kFingerCount + 1> part_log_ratios{};
+  PartRatios part_log_ratios{};  ///< what it is the sum of, by whose outline it is
   /// Less the prior's cost: what tells appearances and planar solutions apart.
   double log_posterior = 0;
   double rms_px = 0;  ///< between the figure's outline and the picture's, outliers weighing less
@@ -99,14 +102,6 @@ struct Alignment {
 
 /// The pose's part of a state's information, the rest marginalised out (Schur complement).
 Matrix6d pose_information(const HandMatrix& information) noexcept;
-
-/// What the colours of points inside a part of the hand say.
-struct PartInside {
-  double share = 0;      ///< of points that have the hand's colours, 0 to 1
-  double log_ratio = 0;  ///< of the part being there against not, nats
-};
-/// The fingers' and last the palm's; empty where most of a part is out of the frame.
-using PartsInside = std::array<std::optional<PartInside>, kFingerCount + 1>;
 
 /// Lays a hand figure on pictures, by the colours on both sides of its outline and by edges, and
 /// learns the colours. Region-based tracking with sparse lines after Stoiber et al., "SRT3D"
@@ -139,11 +134,12 @@ class Aligner {
   void learn_texture(const ImageView& frame, const Camera& camera, Appearance appearance,
                      const Alignment& alignment, double blend, double views) noexcept;
 
-  /// What the colours inside a state's figure say of its parts, the fingers from their middle
-  /// joints on and last the palm: whether they are those of the rest of the hand or those behind
-  /// it. A part's own would not tell, for they were learned from what it was laid on.
-  PartsInside colors_inside(const ImageView& frame, const Camera& camera, Appearance appearance,
-                            const HandState& state) const noexcept;
+  /// What the colours inside a state's figure say of its parts: of points along each finger from
+  /// its middle joint on, and over the palm, whether they are those of the rest of the hand or
+  /// those behind it. A part's own would not tell, for they were learned from what it was laid on.
+  /// Nothing where most of a part is out of the frame.
+  PartRatios ratios_inside(const ImageView& frame, const Camera& camera, Appearance appearance,
+                           const HandState& state) const noexcept;
 
   /// Whether every part of a hand is there, by its outline and the colours inside.
   bool is_whole(const ImageView& frame, const Camera& camera, Appearance appearance,
