@@ -139,6 +139,13 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   double outstretched = ratio(Gesture::open);
   if (tracked && tracked->alignment.log_ratio > config.belief.seen())
     outstretched = std::max(outstretched, tracked->alignment.log_ratio);
+  // Better by as much as tells a hand from none, and not surely none itself: else fingers that open
+  // again would pull the palm along.
+  const double enough = config.belief.seen();
+  if (ratio(Gesture::fist) > std::max(-enough, outstretched + enough) &&
+      is_fist(inside(laid(Gesture::fist).state, frame, camera, aligner)))
+    return Gesture::fist;
+  // A four need only explain the picture better than an open hand that is whole.
   const auto whole_ratio = [&](Appearance appearance, const Alignment& open) {
     return open.valid && aligner.is_whole(frame, camera, appearance, open)
                ? open.log_ratio
@@ -146,13 +153,6 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
   };
   double whole = whole_ratio(hand_.appearance, laid(Gesture::open));
   if (tracked) whole = std::max(whole, whole_ratio(tracked->appearance, tracked->alignment));
-  // Better by as much as tells a hand from none, and not surely none itself: else fingers that open
-  // again would pull the palm along. A four need only explain the picture better than what has a
-  // thumb.
-  const double enough = config.belief.seen();
-  if (ratio(Gesture::fist) > std::max(-enough, outstretched + enough) &&
-      is_fist(inside(laid(Gesture::fist).state, frame, camera, aligner)))
-    return Gesture::fist;
   if (ratio(Gesture::four) > std::max(enough, whole) &&
       is_four(inside(laid(Gesture::four).state, frame, camera, aligner)))
     return Gesture::four;
