@@ -126,8 +126,7 @@ TEST(Aligner, OutlineAndColoursTellWhichPartsAreThere) {
     ASSERT_TRUE(a.valid);
     const PartRatios inside = scene.aligner.ratios_inside(scene.picture.view(), scene.camera,
                                                           scene.hand.appearance, a.state);
-    EXPECT_EQ(scene.aligner.is_whole(scene.picture.view(), scene.camera, scene.hand.appearance, a),
-              there);
+    EXPECT_EQ(is_whole(a, inside), there);
     for (int part = 0; part <= kFingerCount; ++part)
       EXPECT_EQ(inside[part] + a.part_log_ratios[part] < 0, !there && part == 0)
           << static_cast<int>(shown) << ", part " << part << ": " << inside[part] << " inside, "
@@ -138,6 +137,51 @@ TEST(Aligner, OutlineAndColoursTellWhichPartsAreThere) {
   for (const double of_part :
        scene.aligner.ratios_inside(scene.picture.view(), scene.camera, scene.hand.appearance, away))
     EXPECT_EQ(of_part, 0) << "nobody knows";
+}
+
+TEST(Belief, AHandIsAsLikelyAsTheLessOfWhatOutlineAndColoursInsideSay) {
+  const BeliefConfig belief;
+  Alignment laid;
+  laid.part_log_ratios.fill(3);
+  laid.log_ratio = 18;
+  const auto evidence = [&](double of_each_part) {
+    PartRatios inside;
+    inside.fill(of_each_part);
+    return belief.evidence_of(laid, inside);
+  };
+  EXPECT_EQ(evidence(7), belief.most_frame());
+  EXPECT_NEAR(evidence(2), belief.says(12), 1e-12);
+  EXPECT_LT(evidence(0.5), 0) << "an outline of a hand, filled with what is anywhere";
+  EXPECT_EQ(evidence(-4), -belief.most_frame()) << "no part is there";
+}
+
+TEST(Aligner, WhereAFingerLiesOnAnotherColoursTellOfNeither) {
+  Scene scene;
+  constexpr int kRing = 3;
+  HandState apart = scene.hand.state, on_middle = apart;
+  on_middle.posture.abduction_rad[kRing] = 1.7 * closing_rad()[kRing];
+  const auto inside = [&](const HandState& state) {
+    return scene.aligner.ratios_inside(scene.picture.view(), scene.camera, scene.hand.appearance,
+                                       state);
+  };
+  EXPECT_GT(inside(apart)[kRing], 4);
+  EXPECT_LT(inside(on_middle)[kRing], 1);
+}
+
+TEST(Aligner, ARoughFigureBesideAThumbDoesNotTakeWhatIsThereForIt) {
+  Scene scene;
+  test::DrawnHand off = scene.hand;
+  off.state.posture.abduction_rad[0] = 0.3;
+  scene.picture = test::Picture(640, 480);
+  scene.picture.texture(24, "Scene");
+  scene.picture.paint(off, scene.camera, off.state.T_camera_hand);
+  scene.picture.add_noise(4, 1);
+  scene.aligner.forget();
+  scene.aligner.learn(scene.picture.view(), scene.camera, scene.hand.appearance, scene.hand.state,
+                      0, kFarSteps.coarsest);
+  const Alignment a = scene.align(scene.hand.state);
+  ASSERT_TRUE(a.valid);
+  EXPECT_NEAR(a.state.posture.abduction_rad[0], 0.3, 0.08);
 }
 
 TEST(Aligner, TheOutlineReportedIsWhereTheHandEnds) {
@@ -163,27 +207,54 @@ TEST(Aligner, WhatLiesOutsideTheFrameOrBehindTheCameraIsNoHand) {
   EXPECT_FALSE(scene.align(behind).valid);
 }
 
+constexpr Appearance kPalm{Face::palm, Layout::thumb_right};
+
+/// Fingertips and roots of a hand in the picture, each off by what `off_px` draws.
+template <class Off>
+RoughFingers fingers_of(const HandState& state, const Camera& camera, const Off& off_px) {
+  const PosedFigure hand = posed_figure(kPalm, state);
+  const auto shown = [&](const Eigen::Vector3d& p_m) -> Eigen::Vector2d {
+    // One after the other: compilers draw a call's arguments in different orders.
+    const double off_y_px = off_px(), off_x_px = off_px();
+    return camera.project(state.T_camera_hand * p_m) + Eigen::Vector2d(off_x_px, off_y_px);
+  };
+  RoughFingers seen;
+  for (int f = 0; f < kFingerCount; ++f) {
+    seen.tips_px[f] = shown(hand.tips_m.col(f));
+    seen.roots_px[f] = shown(hand.centres_m.col(sphere_of(f, 0)));
+  }
+  return seen;
+}
+
 TEST(StartPose, RoughFingersAreEnough) {
   const Camera camera = test::rendered_camera();
   std::mt19937 rng = test::random_for("rough");
-  const PosedFigure hand = pose_fingers(
-      make_figure(FigureCoefficients::Zero(), Face::palm, Layout::thumb_right), Posture{});
   for (int i = 0; i < 50; ++i) {
-    const Eigen::Isometry3d truth = test::hand_at(0.45, deg(15), gauss(rng, 3), {0.05, 0.01});
-    RoughFingers seen;
+    HandState truth;
+    truth.T_camera_hand = test::hand_at(0.45, deg(15), gauss(rng, 3), {0.05, 0.01});
+    RoughFingers seen = fingers_of(truth, camera, [&] { return gauss(rng, 8); });
     seen.sigma_px = 8;
-    const auto roughly = [&](const Eigen::Vector3d& p_m) -> Eigen::Vector2d {
-      // One after the other: compilers draw a call's arguments in different orders.
-      const double off_y_px = gauss(rng, 8), off_x_px = gauss(rng, 8);
-      return camera.project(truth * p_m) + Eigen::Vector2d(off_x_px, off_y_px);
-    };
-    for (int f = 0; f < kFingerCount; ++f) {
-      seen.tips_px[f] = roughly(hand.tips_m.col(f));
-      seen.roots_px[f] = roughly(hand.centres_m.col(sphere_of(f, 0)));
-    }
-    const auto error = test::pose_error(truth, start_pose(seen, hand, camera, 0.35));
+    const PosedFigure hand = posed_figure(kPalm, HandState{});
+    const auto error = test::pose_error(truth.T_camera_hand, start_pose(seen, hand, camera, 0.35));
     EXPECT_LT(error.head<3>().norm(), deg(60)) << "tilt is hardly seen";
     EXPECT_LT(error.tail<3>().norm(), 0.1);
+  }
+}
+
+TEST(StartPose, FingersBeginWhereTheirTipsAreSeen) {
+  const Camera camera = test::rendered_camera();
+  for (const double thumb_rad : {-0.3, 0.0, 0.4}) {
+    HandState truth;
+    truth.T_camera_hand = test::hand_at(0.45, deg(5), deg(40), {0.02, 0.01});
+    truth.posture.abduction_rad = {thumb_rad, 0.05, 0, 0, -0.1};
+    RoughFingers seen = fingers_of(truth, camera, [] { return 0; });
+    seen.sigma_px = 3;
+    HandState start = truth;
+    start.posture = {};
+    spread_as_seen(seen, kPalm, camera, start);
+    for (int f = 0; f < kFingerCount; ++f)
+      EXPECT_NEAR(start.posture.abduction_rad[f], truth.posture.abduction_rad[f], 0.06)
+          << f << ", thumb turned by " << thumb_rad;
   }
 }
 

@@ -357,13 +357,22 @@ TEST_P(TrackerNeverTracks, WhatIsNoOutstretchedHand) {
     paint([](const V& p) { return (p - V(320, 240)).cwiseAbs().maxCoeff() - 80; });
   if (what == "arm") paint([](const V& p) { return std::abs(p.x() + 2 * p.y() - 800) / 2.2 - 40; });
   if (what == "noise") film.noise = 60;
+  if (what == "outline") {  // what lies inside is the room
+    HandState state;
+    state.T_camera_hand = test::hand_at(0.35, deg(5), deg(10));
+    const HandView view(film.camera, state.T_camera_hand.translation());
+    const Silhouette silhouette({}, state, view);
+    paint([=](const V& p) {
+      return std::abs(silhouette.distance_px(view.from_frame(p)) + 1.5f) - 1.5f;
+    });
+  }
   for (int i = 0; i < 30; ++i) {
     expect_consistent(film.next());
     ASSERT_NE(film.result.state, State::tracking) << "frame " << i;
   }
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, TrackerNeverTracks,
-                         testing::Values("empty", "face", "square", "arm", "noise"),
+                         testing::Values("empty", "face", "square", "arm", "noise", "outline"),
                          [](const auto& scene) { return scene.param; });
 
 TEST(Tracker, TheMaskIsWhereTheHandIs) {

@@ -209,21 +209,30 @@ Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearanc
 
 PartRatios Aligner::ratios_inside(const ImageView& frame, const Camera& camera,
                                   Appearance appearance, const HandState& state) const noexcept {
+  PartRatios inside{};
+  const HandView view(camera, state.T_camera_hand.translation());
+  const Silhouette silhouette(appearance, state, view);
+  if (!silhouette.valid()) return inside;
   const PixelReader reader(frame);
   const PosedFigure posed = posed_figure(appearance, state);
-  PartRatios inside{};
   for (int part = 0; part <= kFingerCount; ++part) {
     const Inside points = points_inside(posed, part);
     std::array<ColorBin, kMostInside> bins{};
-    std::size_t count = 0;
+    std::size_t count = 0, covered = 0;
     for (int i = 0; i < kMostInside; ++i) {
-      const Eigen::Vector3d p = state.T_camera_hand * points.col(i);
-      if (!(p.z() > 0)) continue;
-      const Eigen::Vector2f px = camera.project(p).cast<float>();
+      const Eigen::Vector2d at_px = camera.project(state.T_camera_hand * points.col(i));
+      const Eigen::Vector2f px = at_px.cast<float>();
       if (!reader.covers(px.x(), px.y())) continue;
-      bins[count++] = reader.bin(reader.nearest_x(px.x()), reader.nearest_y(px.y()));
+      if (part < kFingerCount && silhouette.others_cover(part, view.from_frame(at_px)))
+        ++covered;
+      else
+        bins[count++] = reader.bin(reader.nearest_x(px.x()), reader.nearest_y(px.y()));
     }
-    if (2 * count < kMostInside) continue;
+    if (2 * (count + covered) < kMostInside) continue;
+    if (count < covered) {  // it is folded
+      inside[part] = -kMostInside * kLineWeight * kMostEvidence;
+      continue;
+    }
     std::array<float, kMostInside> ratios{};
     impl_->colors.log_ratios_by_rest(part, {bins.data(), count}, ratios);
     // A point tells as much as a line across the outline, and may be wrong as well.
@@ -233,9 +242,7 @@ PartRatios Aligner::ratios_inside(const ImageView& frame, const Camera& camera,
   return inside;
 }
 
-bool Aligner::is_whole(const ImageView& frame, const Camera& camera, Appearance appearance,
-                       const Alignment& alignment) const noexcept {
-  const PartRatios inside = ratios_inside(frame, camera, appearance, alignment.state);
+bool is_whole(const Alignment& alignment, const PartRatios& inside) noexcept {
   return std::ranges::equal(inside, alignment.part_log_ratios,
                             [](double colors, double outline) { return colors + outline >= 0; });
 }
@@ -269,7 +276,8 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
       if (const auto p = line.pixel(r))
         impl_->colors.add(finger, reader.bin(p->x(), p->y()), false);
   }
-  impl_->colors.finish();
+  // A part of a rough figure may lie beside that of the hand, on what is behind.
+  impl_->colors.finish(coarsest <= kNearSteps.coarsest);
 }
 
 }  // namespace handyar

@@ -41,7 +41,7 @@ void OutlineColors::normalise() noexcept {
     for (Counts& c : bin.tables) c = {c.hand * scale, c.background * scale};
   for (Counts& c : totals_) c = {c.hand * scale, c.background * scale};
   weight_ = 1;
-  finish();
+  finish(told_apart_);
 }
 
 void OutlineColors::add(int part, ColorBin bin, bool hand) noexcept {
@@ -66,9 +66,11 @@ void OutlineColors::add(int part, ColorBin bin, bool hand) noexcept {
     (hand ? totals_[table].hand : totals_[table].background) += weight_;
 }
 
-void OutlineColors::finish() noexcept {
+void OutlineColors::finish(bool told_apart) noexcept {
+  told_apart_ = told_apart;
+  const float own = told_apart ? kOwn : 0;
   for (int t = 0; t < kTables; ++t) {
-    const float share = t == kTogether ? 1 - kOwn : kOwn;
+    const float share = t == kTogether ? 1 - own : own;
     shares_[t] = {share / (totals_[t].hand + kTiny), share / (totals_[t].background + kTiny)};
   }
 }

@@ -24,8 +24,8 @@ class OutlineColors {
   void fade(float keep) noexcept;
 
   void add(int part, ColorBin bin, bool hand) noexcept;
-  /// Ends the samples of a frame.
-  void finish() noexcept;
+  /// Ends the samples of a frame. Where parts are not `told_apart` all have the hand's colours.
+  void finish(bool told_apart = true) noexcept;
 
   /// Log likelihood ratios of hand against background for colours at a part, nats; 0 for a colour
   /// that was seen on neither side. At most kMostAsked at once.
@@ -52,7 +52,8 @@ class OutlineColors {
   std::vector<Bin> bins_;
   std::array<Counts, kTables> totals_{};
   std::array<Counts, kTables> shares_{};  ///< of a count in its part's colours, in the mixture
-  float weight_ = 1;                      ///< of a sample now; grows instead of the tables' fading
+  bool told_apart_ = true;
+  float weight_ = 1;  ///< of a sample now; grows instead of the tables' fading
 };
 
 }  // namespace handyar

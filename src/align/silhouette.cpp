@@ -16,25 +16,28 @@ namespace {
 // Below the wrist comes the forearm, of about this length while a hand is in view.
 constexpr double kForearm_m = 0.12;
 
+/// From one of the capsules.
+HANDYAR_ALWAYS_INLINE float distance_to(const Capsules& c, int k, float x_px, float y_px) {
+  const float wx = x_px - c.x[k], wy = y_px - c.y[k];
+  const float along = wx * c.dx[k] + wy * c.dy[k];
+  const float across = std::abs(wx * c.dy[k] - wy * c.dx[k]);
+  float t = (along - across * c.slope[k]) * c.inverse_length[k];
+  // A tapered capsule's surface belongs to that disc between both ends whose normal meets it.
+  // Bounds come first: so WebAssembly has one instruction for it.
+  t = std::min(1.0f, std::max(0.0f, t));
+  const float rest = along - t * c.length[k];
+  return std::sqrt(rest * rest + across * across) - (c.r0[k] + t * c.dr[k]);
+}
+
 /// From the nearest of the first `count` capsules, rounded up to whole vectors.
-HANDYAR_VECTORISED float distance_to(const Capsules& c, int count, float x_px,
-                                     float y_px) noexcept {
+HANDYAR_VECTORISED float distance_to_nearest(const Capsules& c, int count, float x_px,
+                                             float y_px) noexcept {
   constexpr int kLanes = 8;  // each with a minimum of its own: one alone would be a chain
   std::array<float, kLanes> least;
   least.fill(std::numeric_limits<float>::max());
   for (int i = 0; i < count; i += kLanes)
-    for (int lane = 0, k = i; lane < kLanes; ++lane, ++k) {
-      const float wx = x_px - c.x[k], wy = y_px - c.y[k];
-      const float along = wx * c.dx[k] + wy * c.dy[k];
-      const float across = std::abs(wx * c.dy[k] - wy * c.dx[k]);
-      float t = (along - across * c.slope[k]) * c.inverse_length[k];
-      // A tapered capsule's surface belongs to that disc between both ends whose normal meets it.
-      // Bounds come first: so WebAssembly has one instruction for it.
-      t = std::min(1.0f, std::max(0.0f, t));
-      const float rest = along - t * c.length[k];
-      const float d = std::sqrt(rest * rest + across * across) - (c.r0[k] + t * c.dr[k]);
-      least[lane] = std::min(least[lane], d);
-    }
+    for (int lane = 0, k = i; lane < kLanes; ++lane, ++k)
+      least[lane] = std::min(least[lane], distance_to(c, k, x_px, y_px));
   return *std::min_element(least.begin(), least.end());
 }
 
@@ -176,9 +179,18 @@ std::size_t Silhouette::sheet_polygon(
 }
 
 float Silhouette::distance_px(const Eigen::Vector2f& p) const noexcept {
-  const float least = distance_to(capsules_, capsule_count_, p.x(), p.y());
+  const float least = distance_to_nearest(capsules_, capsule_count_, p.x(), p.y());
   const bool inside = least > 0 && covered(sheets_, topology().sheet_count, p.x(), p.y());
   return inside ? -1.0f : least;
+}
+
+bool Silhouette::others_cover(int finger, const Eigen::Vector2f& p) const noexcept {
+  for (int i = 0; i < own_capsules(); ++i) {
+    const auto [a, b] = topology().pairs[i];
+    const bool own = finger_of(a) == finger && finger_of(b) == finger;
+    if (!own && distance_to(capsules_, i, p.x(), p.y()) < 0) return true;
+  }
+  return covered(sheets_, sheet_count(), p.x(), p.y());
 }
 
 OutlinePlace Silhouette::place(const OutlineAnchor& k) const noexcept {

@@ -73,6 +73,9 @@ class Silhouette {
   /// Distance of a point from the figure and the forearm, negative inside; px.
   float distance_px(const Eigen::Vector2f& p) const noexcept;
 
+  /// Whether another part than this finger lies at a point.
+  bool others_cover(int finger, const Eigen::Vector2f& p) const noexcept;
+
   /// Size of `length_m` at the hand.
   double to_px(double length_m) const noexcept { return f_px_ * length_m / depth_m_; }
   bool valid() const noexcept { return valid_; }

@@ -147,7 +147,8 @@ Gesture Gestures::choose(const Hypothesis* tracked, const ImageView& frame, cons
     return Gesture::fist;
   // A four need only explain the picture better than an open hand that is whole.
   const auto whole_ratio = [&](Appearance appearance, const Alignment& open) {
-    return open.valid && aligner.is_whole(frame, camera, appearance, open)
+    return open.valid &&
+                   is_whole(open, aligner.ratios_inside(frame, camera, appearance, open.state))
                ? open.log_ratio
                : -std::numeric_limits<double>::infinity();
   };

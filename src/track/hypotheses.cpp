@@ -135,7 +135,6 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
   const std::optional<Face> known = known_face(candidate, config);
   for (const Face face : {Face::palm, Face::back}) {
     if (known && face != *known) continue;
-    const HandFigure figure = make_figure(person.mean(), face, candidate.layout);
     Hypotheses rough;
     for (const double closed : kClosed) {
       Hypothesis h;
@@ -145,8 +144,9 @@ bool Hypotheses::begin(const HandCandidate& candidate, const ImageView& frame, c
       state.figure = person.mean();
       for (int f = 0; f < kFingerCount; ++f)
         state.posture.abduction_rad[f] = closed * closing_rad()[f];
-      state.T_camera_hand = start_pose(fingers, pose_fingers(figure, state.posture), camera,
+      state.T_camera_hand = start_pose(fingers, posed_figure(h.appearance, state), camera,
                                        config.motion.rotation_sigma_rad);
+      spread_as_seen(fingers, h.appearance, camera, state);
       HandPrior prior = beginning.prior_at(state.T_camera_hand);
       prior.fingers = fingers;
       beginning.settle(h, prior, kRoughly);

@@ -66,17 +66,18 @@ void HandTracker::Impl::look(const ImageView& frame) noexcept {
 }
 
 void HandTracker::Impl::begin(const ImageView& frame) noexcept {
+  const BeliefConfig& limits = config.belief;
   const bool held = holds_hand();
   const double followed_ratio = held ? seen.hypotheses.best().alignment.log_ratio : 0;
   const double belief =
-      held ? seen.belief + evidence_of(seen.hypotheses.best().alignment, seen.whole) : 0;
+      held ? seen.belief + limits.evidence_of(seen.hypotheses.best().alignment, seen.inside) : 0;
   for (const HandCandidate& candidate : candidates) {
     Reading reading = has_hand() ? compare(candidate, followed()) : Reading::elsewhere;
     // What is not seen to lie there is no reading to choose between.
     if (!held && reading == Reading::otherwise) reading = Reading::elsewhere;
     const bool same = reading == Reading::same;
     if ((held && same) || is_of_other(candidate) || is_for_other(candidate, reading) ||
-        (reading == Reading::elsewhere && candidate.log_odds + config.belief.most_frame() < belief))
+        (reading == Reading::elsewhere && candidate.log_odds + limits.most_frame() < belief))
       continue;
     Hypotheses fresh = seen.hypotheses;
     if (!(same ? fresh.lay_anew(frame, camera, config, scout)
@@ -87,18 +88,18 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     const Alignment& best = fresh.best().alignment;
     // Where an open hand may be folding, only another one is taken that is as good, and none where
     // it is: with colours learned from what lies there a missing thumb looks as good as any.
-    if (seen.gestures.watches() && !seen.gestures.fits(best, config.belief)) continue;
-    const bool whole = scout.is_whole(frame, camera, fresh.best().appearance, best);
+    if (seen.gestures.watches() && !seen.gestures.fits(best, limits)) continue;
+    const PartRatios inside = look_inside(fresh.best(), frame, scout);
     // Of two readings of one hand the picture decides, of two hands the one that is believed more.
     const bool better = reading == Reading::otherwise
                             ? best.log_ratio > followed_ratio
-                            : candidate.log_odds + evidence_of(best, whole) > belief;
+                            : candidate.log_odds + limits.evidence_of(best, inside) > belief;
     if (!better) {
       seen.read_otherwise |= reading == Reading::otherwise && candidate.log_odds > 0;
       continue;
     }
     seen.hypotheses = fresh;
-    seen.whole = whole;
+    seen.inside = inside;
     std::swap(aligner, scout);
     keep_outline();
     if (same) return;
@@ -110,7 +111,7 @@ void HandTracker::Impl::begin(const ImageView& frame) noexcept {
     seen.own = fresh.best().appearance;
     if (seen.state == State::tracking) seen.changed_s = seen.time_s;
     if (reading == Reading::elsewhere) {
-      seen.belief = candidate.log_odds + (comes_back ? config.belief.believe : 0);
+      seen.belief = candidate.log_odds + (comes_back ? limits.believe : 0);
       seen.gestures.forget();
     }
     return;

@@ -94,4 +94,33 @@ Eigen::Isometry3d start_pose(const RoughFingers& seen, const PosedFigure& hand,
   return T.translation().z() > kNearest_m ? T : start;
 }
 
+void spread_as_seen(const RoughFingers& seen, Appearance appearance, const Camera& camera,
+                    HandState& state) noexcept {
+  using Abductions = Eigen::Matrix<double, kFingerCount, 1>;
+  using Information = Eigen::Matrix<double, kFingerCount, kFingerCount>;
+  const Eigen::Isometry3d& T = state.T_camera_hand;
+  const Eigen::Vector3d normal(0, 0, appearance.layout == Layout::thumb_right ? -1 : 1);
+  const Information prior = abduction_covariance_rad2().llt().solve(Information::Identity());
+  Eigen::Map<Abductions> abduction_rad(state.posture.abduction_rad.data());
+  constexpr int kIterations = 2;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const PosedFigure hand = posed_figure(appearance, state);
+    Information H = prior;
+    Abductions g = -prior * abduction_rad;
+    for (int f = 0; f < kFingerCount; ++f) {
+      const Eigen::Vector3d tip = hand.tips_m.col(f), root = hand.centres_m.col(sphere_of(f, 0)),
+                            p = T * tip;
+      if (p.z() < kNearest_m) return;
+      Eigen::Matrix<double, 2, 3> J_point;
+      const Eigen::Vector2d error = seen.tips_px[f] - camera.project(p, &J_point),
+                            J = J_point * (T.linear() * normal.cross(tip - root));
+      H(f, f) += J.squaredNorm() / (seen.sigma_px * seen.sigma_px);
+      g[f] += J.dot(error) / (seen.sigma_px * seen.sigma_px);
+    }
+    const Abductions step = H.llt().solve(g);
+    if (!step.allFinite()) return;
+    abduction_rad += step;
+  }
+}
+
 }  // namespace handyar

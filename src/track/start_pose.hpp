@@ -13,4 +13,10 @@ namespace handyar {
 Eigen::Isometry3d start_pose(const RoughFingers& seen, const PosedFigure& hand,
                              const Camera& camera, double tilt_sigma_rad) noexcept;
 
+/// Turns the fingers of a hand that begins in the palm plane to where their tips are seen, as far
+/// as lively fingers are likely to turn: one that begins beside the finger in the picture takes the
+/// colours of what is there for its own.
+void spread_as_seen(const RoughFingers& seen, Appearance appearance, const Camera& camera,
+                    HandState& state) noexcept;
+
 }  // namespace handyar

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <numeric>
 
 #include "handyar/config.hpp"
 #include "handyar/pose_filter.hpp"
@@ -37,6 +38,14 @@ struct BeliefConfig {
   double most() const { return 2 * most_frame(); }
   /// What a frame's log ratio says of a hand, log odds.
   double says(double log_ratio) const { return claim * (log_ratio - even); }
+  /// What a figure says of there being an open hand, log odds: its outline or the colours inside,
+  /// whichever say less, for the outline of a door's handle may be a hand's. One that lacks a part
+  /// speaks against it as loudly as a frame can.
+  double evidence_of(const Alignment& alignment, const PartRatios& inside) const {
+    if (!is_whole(alignment, inside)) return -most_frame();
+    const double of_inside = std::accumulate(inside.begin(), inside.end(), 0.0);
+    return std::clamp(says(std::min(alignment.log_ratio, of_inside)), -most_frame(), most_frame());
+  }
   /// Log ratio of a frame from which on a figure is seen to lie on a hand.
   double seen() const { return even + doubt() / claim; }
 };

@@ -67,8 +67,7 @@ void HandTracker::Impl::follow(const ImageView& frame, double dt_s) noexcept {
   seen.hypotheses.reconsider(frame, camera, dt_s, config, aligner);
   if (!can_be_seen || follows_hand_of_other()) seen.hypotheses.clear();
   if (!has_hand()) return;
-  const Hypothesis& best = seen.hypotheses.best();
-  seen.whole = aligner.is_whole(frame, camera, best.appearance, best.alignment);
+  seen.inside = look_inside(seen.hypotheses.best(), frame, aligner);
   tell_from_other();
 }
 
@@ -84,7 +83,7 @@ void HandTracker::Impl::compare_postures(const ImageView& frame, double dt_s) no
   if (gestures.folded()) seen.hypotheses.clear();
   if (gestures.opened()) {
     seen.hypotheses.resume(gestures.hand());
-    seen.whole = true;
+    seen.inside = look_inside(gestures.hand(), frame, aligner);
     seen.belief = config.belief.believe + config.belief.most_frame();
   }
 }
@@ -95,21 +94,21 @@ const Hypothesis* HandTracker::Impl::in_view() const noexcept {
 }
 
 bool HandTracker::Impl::holds_hand() const noexcept {
-  return has_hand() && seen.whole &&
-         seen.hypotheses.best().alignment.log_ratio >= config.belief.seen();
+  if (!has_hand()) return false;
+  const Alignment& best = seen.hypotheses.best().alignment;
+  return is_whole(best, seen.inside) && best.log_ratio >= config.belief.seen();
 }
 
-double HandTracker::Impl::evidence_of(const Alignment& alignment, bool whole) const noexcept {
-  const BeliefConfig& limits = config.belief;
-  if (!whole) return -limits.most_frame();
-  return std::clamp(limits.says(alignment.log_ratio), -limits.most_frame(), limits.most_frame());
+PartRatios HandTracker::Impl::look_inside(const Hypothesis& its, const ImageView& frame,
+                                          const Aligner& by) const noexcept {
+  return by.ratios_inside(frame, camera, its.appearance, its.alignment.state);
 }
 
 void HandTracker::Impl::believe(double dt_s) noexcept {
   const BeliefConfig& limits = config.belief;
   if (has_hand()) {
     const double share = std::clamp(dt_s / limits.same_s, 0.0, 1.0);
-    const double says = evidence_of(seen.hypotheses.best().alignment, seen.whole);
+    const double says = limits.evidence_of(seen.hypotheses.best().alignment, seen.inside);
     seen.belief = std::min(seen.belief + share * says, limits.most());
     seen.lately += share * (says - seen.lately);
   }

@@ -34,7 +34,7 @@ struct TrackerState {
   /// The finder's last look read the hand that is followed otherwise, and the picture not.
   bool read_otherwise = false;
   Hypotheses hypotheses;
-  bool whole = false;  ///< no part of the likeliest is gone
+  PartRatios inside{};  ///< what the colours inside the likeliest say
   Gestures gestures;
   Person person;         ///< as last learned; a new hand begins with it
   double learned_s = 0;  ///< for how long the person's figure has been learned
@@ -73,9 +73,9 @@ struct HandTracker::Impl {
   Reading compare(const HandCandidate& candidate, const HandPlace& now) const noexcept;
   /// The hand that is followed as the finder sees it; null where it does not or reads it otherwise.
   const HandCandidate* seen_again() const noexcept;
-  /// What a figure says of there being an open hand, log odds; one that lacks a part speaks against
-  /// it as loudly as a frame can.
-  double evidence_of(const Alignment& alignment, bool whole) const noexcept;
+  /// What the colours inside a figure say of its parts.
+  PartRatios look_inside(const Hypothesis& its, const ImageView& frame,
+                         const Aligner& by) const noexcept;
   /// Sets the candidates, those around a followed hand if it is surely seen there; returns it as
   /// seen_again does.
   const HandCandidate* find(const ImageView& frame) noexcept;

@@ -11,6 +11,7 @@ STILLS and CLIPS, by origin, so that the rest can be reported on.
 import argparse
 import csv
 import glob
+import itertools
 import json
 import os
 
@@ -24,6 +25,7 @@ SIDE = 208  # longest side of a cut-out, pixels
 STILLS = ('SubhiH/HandsDataset', 'ardamavi/Sign-Language-Digits-Dataset')  # palms
 CLIPS = ('wall_a.mp4', 'desk_stereo0.mp4', 'desk_stereo1.mp4')  # backs
 WHOLE_SIDE = 320
+MOST_OF_A_FOLDER = 300  # pictures of the same package look alike
 
 
 def cut(bgr, alpha, places):
@@ -109,20 +111,25 @@ def grab(bgr, tips):
     return cv2.GaussianBlur(255 * hand.astype(np.uint8), (3, 3), 0)
 
 
+def pictures(paths):
+    for path in paths:
+        if os.path.getsize(path) < 30000:
+            continue
+        bgr = cv2.imread(path, cv2.IMREAD_COLOR)
+        if bgr is None or min(bgr.shape[:2]) < 150:
+            continue
+        if (np.abs(np.diff(bgr.astype(np.int16), axis=1)).max(2) == 0).mean() > 0.45 and len(os.path.basename(path)) % 6:
+            continue  # drawings: flat areas; some of them will do
+        s = 420 / max(bgr.shape[:2])
+        yield cv2.resize(bgr, None, fx=min(1, s), fy=min(1, s), interpolation=cv2.INTER_AREA)
+
+
 def backgrounds(folders, plates):
     for folder in folders:
-        for root, _, files in os.walk(folder):
-            for name in sorted(files):
-                path = os.path.join(root, name)
-                if not name.lower().endswith(('.jpg', '.jpeg', '.webp', '.png')) or os.path.getsize(path) < 30000:
-                    continue
-                bgr = cv2.imread(path, cv2.IMREAD_COLOR)
-                if bgr is None or min(bgr.shape[:2]) < 150:
-                    continue
-                if (np.abs(np.diff(bgr.astype(np.int16), axis=1)).max(2) == 0).mean() > 0.45 and len(name) % 6:
-                    continue  # drawings: flat areas; some of them will do
-                s = 420 / max(bgr.shape[:2])
-                yield cv2.resize(bgr, None, fx=min(1, s), fy=min(1, s), interpolation=cv2.INTER_AREA)
+        paths = sorted(os.path.join(root, name) for root, _, files in os.walk(folder) for name in files
+                       if name.lower().endswith(('.jpg', '.jpeg', '.webp', '.png')))
+        np.random.default_rng(len(paths)).shuffle(paths)
+        yield from itertools.islice(pictures(paths), MOST_OF_A_FOLDER)
     for folder in plates:
         for path in sorted(glob.glob(os.path.join(folder, '**', '*.exr'), recursive=True)):
             if os.path.basename(path).startswith(('alb', 'nrm', 'aov')):

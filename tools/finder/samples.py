@@ -71,6 +71,29 @@ class Samples:
         return np.clip(cv2.transform(x, np.full((3, 3), grey) + saturation * np.eye(3)), 0, 255)
 
     def room(self):
+        """A crop of a picture, in one of three with crops of others laid over it: rooms are full of things."""
+        r, canvas = self.rng, self.crop()
+        if r.random() < 0.35:
+            for _ in range(r.integers(1, 13)):
+                self.lay_over(canvas, self.crop())
+        return canvas
+
+    def lay_over(self, canvas, picture):
+        """A part of a picture with an outline of its own, as large as a fingertip or as half the canvas."""
+        r = self.rng
+        size, stretch = np.exp(r.uniform(np.log(4), np.log(90))), np.exp(r.normal(0, 0.5))
+        centre, angle = r.uniform([0, 0], [WIDTH, HEIGHT]), r.uniform(0, 180)
+        mask = np.zeros((HEIGHT, WIDTH), np.uint8)
+        box = (centre.tolist(), (float(size * stretch), float(size / stretch)), float(angle))
+        if r.random() < 0.4:
+            cv2.ellipse(mask, box, 255, -1)
+        else:
+            corners = cv2.boxPoints(box)
+            cv2.fillPoly(mask, [np.rint(corners + size * r.normal(0, 0.12, (4, 2))).astype(int)], 255)
+        alpha = cv2.GaussianBlur(mask, (0, 0), r.uniform(0.3, 1.2)).astype(np.float32)[..., None] / 255
+        canvas += (picture - canvas) * alpha
+
+    def crop(self):
         r = self.rng
         if r.random() < 0.06:
             a, b = r.uniform(0, 255, (2, 3))
@@ -211,6 +234,8 @@ class Samples:
             a, l = r.uniform(0, np.pi), r.uniform(1.5, 4)
             cv2.line(k, tuple(int(round(4 - l * v)) for v in (np.cos(a), np.sin(a))), tuple(int(round(4 + l * v)) for v in (np.cos(a), np.sin(a))), 1)
             x = cv2.filter2D(x, -1, k / k.sum())
+        if r.random() < 0.12:  # a dim room
+            x = x * r.uniform(0.2, 0.7)
         x = x.astype(np.uint8)
         if r.random() < 0.4:
             x = self.recolour(x, 0.7)

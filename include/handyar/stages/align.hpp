@@ -100,6 +100,9 @@ struct Alignment {
   double rms_px = 0;  ///< between the figure's outline and the picture's, outliers weighing less
 };
 
+/// Whether every part of a hand is there, by its outline and by what the colours inside say.
+bool is_whole(const Alignment& alignment, const PartRatios& inside) noexcept;
+
 /// The pose's part of a state's information, the rest marginalised out (Schur complement).
 Matrix6d pose_information(const HandMatrix& information) noexcept;
 
@@ -136,14 +139,11 @@ class Aligner {
 
   /// What the colours inside a state's figure say of its parts: of points along each finger from
   /// its middle joint on, and over the palm, whether they are those of the rest of the hand or
-  /// those behind it. A part's own would not tell, for they were learned from what it was laid on.
-  /// Nothing where most of a part is out of the frame.
+  /// those behind it. A part's own would not tell, for they were learned from what it was laid on;
+  /// nor do points where another part lies, too, and a finger most of whose points are such is
+  /// folded. Nothing where most of a part is out of the frame.
   PartRatios ratios_inside(const ImageView& frame, const Camera& camera, Appearance appearance,
                            const HandState& state) const noexcept;
-
-  /// Whether every part of a hand is there, by its outline and the colours inside.
-  bool is_whole(const ImageView& frame, const Camera& camera, Appearance appearance,
-                const Alignment& alignment) const noexcept;
 
   /// The outline of the last alignment. Valid until the next call.
   std::span<const OutlinePoint> outline() const noexcept;
