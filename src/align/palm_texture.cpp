@@ -150,7 +150,7 @@ PalmTexture::Pull PalmTexture::compare(const Sight& sight,
       sum += sight.seen[i] * std::abs(error[i]);
       count += sight.seen[i];
     }
-    constexpr float kNormal = 1.2533141f;  // sqrt(pi / 2): standard deviation of a mean size
+    constexpr float kNormal = 1.25f;  // standard deviation of a mean size
     sigma = std::max(kNormal * sum / count, kLeastSigma);
     for (int i = 0; i < kCells; ++i) {
       const float z = error[i] / (2 * sigma);
