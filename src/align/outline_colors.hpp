@@ -25,7 +25,7 @@ class OutlineColors {
 
   void add(int part, ColorBin bin, bool hand) noexcept;
   /// Ends the samples of a frame. Where parts are not `told_apart` all have the hand's colours.
-  void finish(bool told_apart = true) noexcept;
+  void finish(bool told_apart) noexcept;
 
   /// Log likelihood ratios of hand against background for colours at a part, nats; 0 for a colour
   /// that was seen on neither side. At most kMostAsked at once.
