@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "align/boundary_line.hpp"
 #include "drawn_hand.hpp"
 #include "track/hand_prior.hpp"
 #include "track/hypotheses.hpp"
@@ -182,6 +183,59 @@ TEST(Aligner, ARoughFigureBesideAThumbDoesNotTakeWhatIsThereForIt) {
   const Alignment a = scene.align(scene.hand.state);
   ASSERT_TRUE(a.valid);
   EXPECT_NEAR(a.state.posture.abduction_rad[0], 0.3, 0.08);
+}
+
+TEST(Aligner, FurrowsAreLookedForWhereFingersLieTogether) {
+  Scene scene;
+  const HandView view(scene.camera, scene.hand.state.T_camera_hand.translation());
+  const auto furrows = [&](const HandState& state) {
+    const Silhouette silhouette(scene.hand.appearance, state, view);
+    Silhouette::Anchors anchors;
+    const int count = silhouette.choose(8, anchors);
+    std::array<int, kFingerCount> of_finger{};
+    for (int i = 0; i < count; ++i) {
+      if (!anchors[i].furrow) continue;
+      ++of_finger[finger_of(anchors[i].a)];
+      const Eigen::Vector2f px = silhouette.place(anchors[i]).px;
+      EXPECT_LT(silhouette.distance_px(px), 1);
+      EXPECT_EQ(silhouette.derivative(anchors[i], silhouette.place(anchors[i]))[kBoundaryAt], 0);
+    }
+    return of_finger;
+  };
+  HandState together = scene.hand.state;
+  for (int f = 1; f < kFingerCount; ++f) together.posture.abduction_rad[f] = 1.3 * closing_rad()[f];
+  EXPECT_EQ(furrows(scene.hand.state), (std::array<int, kFingerCount>{}));
+  const auto of_finger = furrows(together);
+  EXPECT_EQ(of_finger[0], 0);
+  for (int f = 1; f < kFingerCount; ++f) EXPECT_GT(of_finger[f], 2) << f;
+}
+
+TEST(BoundaryLine, AFurrowIsWhereItIsDarkerThanOnBothSides) {
+  const Camera camera = Camera::from_field_of_view(640, 480);
+  const HandView view(camera, {0, 0, 0.4});
+  const Eigen::Vector2f at = view.from_frame({320, 240});
+  for (const double furrow_px : {-4.0, -3.0, 0.0, 3.0, 4.0}) {
+    test::Picture picture(640, 480, test::kSkinColor);
+    // On one side it is lighter: a step in luma alone is none.
+    picture.paint([](const Eigen::Vector2d& px) { return 327 - px.x(); }, 1, {140, 170, 225});
+    picture.paint([&](const Eigen::Vector2d& px) { return std::abs(px.x() - 320 - furrow_px) - 1; },
+                  1, {80, 100, 150});
+    picture.add_noise(2, 1);
+    const ImageView frame = picture.view();
+    const PixelReader reader(frame);
+    const BoundaryLine line(reader, view, {at, {1, 0}}, 1.0f, 10, 10);
+    const Boundary found = line.find_furrow();
+    // Furrows elsewhere are not ruled out: the mean is drawn to the middle.
+    EXPECT_LT(std::abs(found.mean_px), std::abs(furrow_px) + 0.5) << furrow_px;
+    EXPECT_GE(found.mean_px * furrow_px, 0.5 * furrow_px * furrow_px) << furrow_px;
+    EXPECT_EQ(found.log_ratio > 0, furrow_px == 0) << furrow_px;
+  }
+  const test::Picture even(640, 480, test::kSkinColor);
+  const ImageView frame = even.view();
+  const PixelReader reader(frame);
+  const Boundary found = BoundaryLine(reader, view, {at, {1, 0}}, 1.0f, 10, 10).find_furrow();
+  EXPECT_GT(found.sigma_px, 3);
+  EXPECT_NEAR(found.log_ratio, 0, 0.1);
 }
 
 TEST(Aligner, TheOutlineReportedIsWhereTheHandEnds) {

@@ -67,7 +67,7 @@ void add_fingers(const RoughFingers& fingers, const HandView& view, const Silhou
 float shown_outside_px(const Camera& camera, const HandView& view, const Silhouette& silhouette,
                        const OutlineAnchor& anchor, const OutlinePlace& place,
                        const HandState& state) {
-  double outside_px = state.boundary_px;
+  double outside_px = anchor.furrow ? 0 : state.boundary_px;
   if (camera.readout_s > 0) {
     const double late_s = camera.row_time_s(view.to_frame(place.px).y());
     outside_px += late_s * silhouette.derivative(anchor, place).head<6>().dot(state.velocity);
@@ -157,13 +157,14 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   double squares = 0, weights = 0;
   for (int i = 0; i < anchor_count; ++i) {
     const OutlineAnchor& anchor = anchors[i];
+    if (anchor.furrow && !fine) continue;
     OutlinePlace place = silhouette.place(anchor);
     const OutlineDerivative J = silhouette.derivative(anchor, place);
     place.px += shown_outside_px(camera, view, silhouette, anchor, place, a.state) * place.normal;
     const int finger = finger_of(anchor.a);
     const BoundaryLine line(reader, view, place, segment_px, anchor.inside_px, anchor.outside_px);
     if (!line.inside_frame()) continue;
-    const Boundary found = line.find(colors, finger, fine);
+    const Boundary found = anchor.furrow ? line.find_furrow() : line.find(colors, finger, fine);
     const double mu = found.mean_px, sigma = found.sigma_px, z = mu / sigma;
     const double weight = kLineWeight * 2 / (1 + z * z) / (sigma * sigma);
     add_square(J.data(), weight, H.data());
@@ -261,6 +262,7 @@ void Aligner::learn(const ImageView& frame, const Camera& camera, Appearance app
               step = std::max(1.0f, step_px);
   for (int i = 0; i < count; ++i) {
     const OutlineAnchor& anchor = impl_->anchors[i];
+    if (anchor.furrow) continue;
     OutlinePlace place = silhouette.place(anchor);
     place.px += shown_outside_px(camera, view, silhouette, anchor, place, state) * place.normal;
     const BoundaryLine line(reader, view, place, step, anchor.inside_px, anchor.outside_px);

@@ -53,11 +53,11 @@ BoundaryLine::BoundaryLine(const PixelReader& reader, const HandView& view,
   step_ = (view.to_frame(place.px + kFar * place.normal) - from_) / kFar;
 }
 
-/// Pixels from inside to outside, and how many there are of each segment; returns of all.
-int BoundaryLine::read(Segments& segments, PixelGroup& group) const noexcept {
+int BoundaryLine::read(Bins& bins, Segments& segments) const noexcept {
   const int reads = segment_px_ < 1.5f ? 1 : 2;
   LinePixels pixels;
   place_pixels(reader_, from_, step_, segment_px_, kHalf, reads, inside_px_, outside_px_, pixels);
+  PixelGroup group;
   int count = 0;
   for (int j = 0, i = 0; j < kSegments; ++j) {
     const int before = count;
@@ -65,46 +65,13 @@ int BoundaryLine::read(Segments& segments, PixelGroup& group) const noexcept {
       if (pixels.seen[i] != 0) reader_.read(pixels.x[i], pixels.y[i], count++, group);
     segments.reads[j] = count - before;
   }
+  PixelGroup::Numbers luma;
+  reader_.tell(group, bins, luma);
+  segments.each_read([&](int j, int i, float share) { segments.luma[j] += share * luma[i]; });
   return count;
 }
 
-BoundaryLine::Segments BoundaryLine::segments(const OutlineColors& colors,
-                                              int part) const noexcept {
-  Segments s;
-  PixelGroup group;
-  const auto count = static_cast<std::size_t>(read(s, group));
-  std::array<ColorBin, PixelGroup::kMost> bins;
-  PixelGroup::Numbers luma;
-  reader_.tell(group, bins, luma);
-  std::array<float, PixelGroup::kMost> ratios{};
-  colors.log_ratios(part, {bins.data(), count}, ratios);
-  constexpr std::array<float, 3> share{0, 1, 0.5f};  // of a segment's mean, by its reads
-  for (int j = 0, i = 0; j < kSegments; ++j)
-    for (int k = 0; k < s.reads[j]; ++k, ++i) {
-      s.ratio[j] += share[s.reads[j]] * ratios[i];
-      s.luma[j] += share[s.reads[j]] * luma[i];
-    }
-  return s;
-}
-
-Boundary BoundaryLine::find(const OutlineColors& colors, int part, bool edges) const noexcept {
-  const Segments s = segments(colors, part);
-  // A boundary between two segments: all within are of the hand, all beyond of the background.
-  Places log_p{};
-  float sum = s.ratio[0];
-  for (int k = 0; k < kPlaces; ++k) {
-    log_p[k] = kRatioWeight * sum;
-    sum += s.ratio[k + 1];
-  }
-  if (edges) {
-    Places step{};
-    for (int k = 0; k < kPlaces; ++k)
-      if (s.reads[k] > 0 && s.reads[k + 1] > 0) step[k] = std::abs(s.luma[k + 1] - s.luma[k]);
-    for (std::size_t k = 0; k < step.size(); ++k) log_p[k] += fast_log(kCalmStep + step[k]);
-  }
-  const float best = *std::max_element(log_p.begin(), log_p.begin() + kPlaces);
-  Places p;
-  for (int k = 0; k < kPlaces; ++k) p[k] = std::exp(log_p[k] - best);
+Boundary BoundaryLine::boundary(const Places& p, int seen) const noexcept {
   float total = 0, first = 0, second = 0;
   for (int k = 0; k < kPlaces; ++k) {
     const float x = static_cast<float>(k + 1 - kHalf);
@@ -117,7 +84,53 @@ Boundary BoundaryLine::find(const OutlineColors& colors, int part, bool edges) c
   const float mean = first / total;
   const float variance = std::max(second / total - mean * mean, kLeastVariance);
   return {mean * segment_px_, std::sqrt(variance) * segment_px_,
-          std::clamp(std::log(kPlaces * here / total), -kMostEvidence, kMostEvidence)};
+          std::clamp(std::log(seen * here / total), -kMostEvidence, kMostEvidence)};
+}
+
+Boundary BoundaryLine::find(const OutlineColors& colors, int part, bool edges) const noexcept {
+  Segments s;
+  Bins bins;
+  const auto count = static_cast<std::size_t>(read(bins, s));
+  std::array<float, PixelGroup::kMost> ratios{};
+  colors.log_ratios(part, {bins.data(), count}, ratios);
+  std::array<float, kSegments> ratio{};
+  s.each_read([&](int j, int i, float share) { ratio[j] += share * ratios[i]; });
+  // A boundary between two segments: all within are of the hand, all beyond of the background.
+  Places log_p{};
+  float sum = ratio[0];
+  for (int k = 0; k < kPlaces; ++k) {
+    log_p[k] = kRatioWeight * sum;
+    sum += ratio[k + 1];
+  }
+  if (edges) {
+    Places step{};
+    for (int k = 0; k < kPlaces; ++k)
+      if (s.reads[k] > 0 && s.reads[k + 1] > 0) step[k] = std::abs(s.luma[k + 1] - s.luma[k]);
+    for (std::size_t k = 0; k < step.size(); ++k) log_p[k] += fast_log(kCalmStep + step[k]);
+  }
+  const float best = *std::max_element(log_p.begin(), log_p.begin() + kPlaces);
+  Places p;
+  for (int k = 0; k < kPlaces; ++k) p[k] = std::exp(log_p[k] - best);
+  return boundary(p, kPlaces);
+}
+
+Boundary BoundaryLine::find_furrow() const noexcept {
+  Segments s;
+  Bins bins;
+  read(bins, s);
+  const auto seen = [&](int j) { return j >= 0 && j < kSegments && s.reads[j] > 0; };
+  Places p{};
+  int places = 0;
+  for (int k = 0; k < kPlaces; ++k) {
+    if (!seen(k) || !seen(k + 1)) continue;
+    float depth = 0;
+    if (seen(k - 1) && seen(k + 2))
+      depth = std::max(0.0f,
+                       std::min(s.luma[k - 1], s.luma[k + 2]) - std::min(s.luma[k], s.luma[k + 1]));
+    p[k] = (kCalmStep + depth) * (kCalmStep + depth);  // a step down and one up
+    ++places;
+  }
+  return places > 0 ? boundary(p, places) : Boundary{0, 1e3f, 0};
 }
 
 }  // namespace handyar

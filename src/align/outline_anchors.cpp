@@ -2,6 +2,7 @@
 // Which places of a silhouette's outline are looked at.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "align/silhouette.hpp"
@@ -19,11 +20,11 @@ constexpr std::array<std::uint8_t, 10> kRound{3, 7, 11, 15, 19, 20, 21, 22, 23, 
 
 }  // namespace
 
-void Silhouette::try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept {
-  if (count == kMaxAnchors) return;
+bool Silhouette::try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept {
+  if (count == kMaxAnchors) return false;
   const OutlinePlace at = place(anchor);
   const float first = 0.5f;
-  if (distance_px(at.px + first * at.normal) < 0.3f * first) return;  // behind another part
+  if (distance_px(at.px + first * at.normal) < 0.3f * first) return false;  // behind another part
   const float reach = static_cast<float>(to_px(kReach_m));
   const auto least = static_cast<float>(to_px(kLeast_m));
   // Free ground ends where another part of the figure begins; each step is as long as is surely
@@ -38,13 +39,39 @@ void Silhouette::try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) 
     r += std::max(d, 1.0f);
   }
   anchor.outside_px = std::min(r, reach);
-  if (anchor.outside_px < least) return;
-  const float thick = anchor.a == anchor.b
-                          ? r_[anchor.a]
-                          : (1 - anchor.along) * r_[anchor.a] + anchor.along * r_[anchor.b];
-  anchor.inside_px = std::min(1.5f * thick, reach);
-  if (anchor.inside_px < least) return;
+  if (anchor.outside_px < least) return false;
+  anchor.inside_px = std::min(1.5f * thickness_px(anchor), reach);
+  if (anchor.inside_px < least) return false;
   anchors[count++] = anchor;
+  return true;
+}
+
+bool Silhouette::try_furrow(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept {
+  const int finger = finger_of(anchor.a);
+  if (count == kMaxAnchors || finger == kFingerCount || finger_of(anchor.b) != finger) return false;
+  if (anchor.a == sphere_of(finger, 0)) return false;  // there fingers have grown together
+  const OutlinePlace at = place(anchor);
+  const float thick = thickness_px(anchor);
+  float nearest = std::numeric_limits<float>::max();
+  for (int i = 0; i < own_capsules(); ++i) {
+    const auto [a, b] = topology().pairs[i];
+    if (finger_of(a) == finger && finger_of(b) == finger) continue;
+    const float d = capsule_distance_px(i, at.px);
+    if (finger_of(a) != kFingerCount && finger_of(a) == finger_of(b))
+      nearest = std::min(nearest, d);
+    else if (d < 0)
+      return false;  // it lies on the palm
+  }
+  if (nearest > static_cast<float>(to_px(kLeast_m)) || nearest < -thick) return false;
+  anchor.inside_px = anchor.outside_px = thick;
+  anchor.furrow = true;
+  anchors[count++] = anchor;
+  return true;
+}
+
+float Silhouette::thickness_px(const OutlineAnchor& anchor) const noexcept {
+  return anchor.a == anchor.b ? r_[anchor.a]
+                              : (1 - anchor.along) * r_[anchor.a] + anchor.along * r_[anchor.b];
 }
 
 int Silhouette::choose(float spacing_px, Anchors& anchors) const noexcept {
@@ -58,8 +85,10 @@ int Silhouette::choose(float spacing_px, Anchors& anchors) const noexcept {
     const float tangent = std::sqrt(length * length - dr * dr);
     const int n = std::max(1, static_cast<int>(std::lround(tangent / spacing_px)));
     for (const int side : {-1, 1})
-      for (int k = 0; k < n; ++k)
-        try_anchor({a, b, static_cast<std::int8_t>(side), (k + 0.5f) / n}, anchors, count);
+      for (int k = 0; k < n; ++k) {
+        const OutlineAnchor anchor{a, b, static_cast<std::int8_t>(side), (k + 0.5f) / n};
+        if (!try_anchor(anchor, anchors, count)) try_furrow(anchor, anchors, count);
+      }
   }
   for (const std::uint8_t s : kRound) {
     const int n =

@@ -188,9 +188,13 @@ bool Silhouette::others_cover(int finger, const Eigen::Vector2f& p) const noexce
   for (int i = 0; i < own_capsules(); ++i) {
     const auto [a, b] = topology().pairs[i];
     const bool own = finger_of(a) == finger && finger_of(b) == finger;
-    if (!own && distance_to(capsules_, i, p.x(), p.y()) < 0) return true;
+    if (!own && capsule_distance_px(i, p) < 0) return true;
   }
   return covered(sheets_, sheet_count(), p.x(), p.y());
+}
+
+float Silhouette::capsule_distance_px(int capsule, const Eigen::Vector2f& p) const noexcept {
+  return distance_to(capsules_, capsule, p.x(), p.y());
 }
 
 OutlinePlace Silhouette::place(const OutlineAnchor& k) const noexcept {
@@ -231,7 +235,7 @@ Eigen::Matrix<double, 1, kHandFreedoms> Silhouette::derivative(
     add(k.a, 1 - k.along);
     add(k.b, k.along);
   }
-  row[kBoundaryAt] = 1;
+  row[kBoundaryAt] = k.furrow ? 0 : 1;
   return row;
 }
 

@@ -24,6 +24,7 @@ struct OutlineAnchor {
   std::int8_t side = 1;       ///< of the tangent, looking from a to b
   float along = 0;            ///< 0 at a, 1 at b; for a single disc the angle of its normal (rad)
   float inside_px = 0, outside_px = 0;  ///< how far the figure, and the free ground, reach
+  bool furrow = false;  ///< another finger lies against it: there is no ground, but a furrow
 };
 
 /// Where an anchor is, in pixels of the view.
@@ -55,7 +56,7 @@ class Silhouette {
   Silhouette(Appearance appearance, const HandState& state, const HandView& view) noexcept;
 
   /// Places on the visible outline, about `spacing_px` apart, that have enough of the hand and of
-  /// free ground beside them to be seen. Returns how many.
+  /// free ground beside them to be seen, and between fingers that lie together. Returns how many.
   int choose(float spacing_px, Anchors& anchors) const noexcept;
 
   OutlinePlace place(const OutlineAnchor& anchor) const noexcept;
@@ -107,12 +108,17 @@ class Silhouette {
                               std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept;
   std::size_t sheet_polygon(int sheet,
                             std::array<Eigen::Vector2f, kMostCorners>& corners) const noexcept;
+  float capsule_distance_px(int capsule, const Eigen::Vector2f& p) const noexcept;
   /// How a place moves that hangs on x, y and radius of a finger's sphere.
   PlaceDerivative place_derivative(int finger, int sphere,
                                    const Eigen::Matrix<double, 2, 3>& by_disc) const noexcept;
   /// Of a finger's last bone.
   Eigen::Vector2f direction(int finger) const noexcept;
-  void try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept;
+  /// Takes a place, if it can be seen.
+  bool try_anchor(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept;
+  bool try_furrow(OutlineAnchor anchor, Anchors& anchors, int& count) const noexcept;
+  /// Of the figure there, between the spheres that carry it.
+  float thickness_px(const OutlineAnchor& anchor) const noexcept;
 
   bool valid_ = true;
   double f_px_ = 0, depth_m_ = 1;
