@@ -17,6 +17,7 @@ constexpr float kRatioWeight = 0.3f;
 // A step in luma of this many levels doubles how likely a boundary is there.
 constexpr float kCalmStep = 8.0f;
 constexpr float kLeastVariance = 1.0f / 12;  // segments squared: it may lie anywhere in one
+constexpr float kFarAway_px = 1e3f;          // so little is known of a boundary that is not seen
 
 /// Pixels of a line, from inside to outside.
 struct LinePixels {
@@ -130,7 +131,8 @@ Boundary BoundaryLine::find_furrow() const noexcept {
     p[k] = (kCalmStep + depth) * (kCalmStep + depth);  // a step down and one up
     ++places;
   }
-  return places > 0 ? boundary(p, places) : Boundary{0, 1e3f, 0};
+  if (places == 0) return {0, kFarAway_px, 0};  // the frame ends there
+  return boundary(p, places);
 }
 
 }  // namespace handyar

@@ -15,6 +15,8 @@ namespace {
 constexpr double kLeast_m = kEitherSide * kFinestSegment_m;
 // Farther than this from the outline nothing is asked for, nor are colours learned.
 constexpr double kReach_m = 0.0135;
+// A furrow is two pixels wide, and has two of each finger beside it.
+constexpr float kFurrowAndSide_px = 3;
 /// Spheres whose own roundness shows: fingertips, webs, the heel.
 constexpr std::array<std::uint8_t, 10> kRound{3, 7, 11, 15, 19, 20, 21, 22, 23, kHeel};
 
@@ -62,6 +64,7 @@ bool Silhouette::try_furrow(OutlineAnchor anchor, Anchors& anchors, int& count) 
     else if (d < 0)
       return false;  // it lies on the palm
   }
+  if (thick < kFurrowAndSide_px) return false;
   if (nearest > static_cast<float>(to_px(kLeast_m)) || nearest < -thick) return false;
   anchor.inside_px = anchor.outside_px = thick;
   anchor.furrow = true;
