@@ -214,6 +214,7 @@ TEST(BoundaryLine, AFurrowIsWhereItIsDarkerThanOnBothSides) {
   const Camera camera = Camera::from_field_of_view(640, 480);
   const HandView view(camera, {0, 0, 0.4});
   const Eigen::Vector2f at = view.from_frame({320, 240});
+  const OutlineColors colors;  // that tell nothing
   for (const double furrow_px : {-4.0, -3.0, 0.0, 3.0, 4.0}) {
     test::Picture picture(640, 480, test::kSkinColor);
     // On one side it is lighter: a step in luma alone is none.
@@ -224,7 +225,7 @@ TEST(BoundaryLine, AFurrowIsWhereItIsDarkerThanOnBothSides) {
     const ImageView frame = picture.view();
     const PixelReader reader(frame);
     const BoundaryLine line(reader, view, {at, {1, 0}}, 1.0f, 10, 10);
-    const Boundary found = line.find_furrow();
+    const Boundary found = line.find_furrow(colors, 1);
     // Furrows elsewhere are not ruled out: the mean is drawn to the middle.
     EXPECT_LT(std::abs(found.mean_px), std::abs(furrow_px) + 0.5) << furrow_px;
     EXPECT_GE(found.mean_px * furrow_px, 0.5 * furrow_px * furrow_px) << furrow_px;
@@ -233,7 +234,8 @@ TEST(BoundaryLine, AFurrowIsWhereItIsDarkerThanOnBothSides) {
   const test::Picture even(640, 480, test::kSkinColor);
   const ImageView frame = even.view();
   const PixelReader reader(frame);
-  const Boundary found = BoundaryLine(reader, view, {at, {1, 0}}, 1.0f, 10, 10).find_furrow();
+  const Boundary found =
+      BoundaryLine(reader, view, {at, {1, 0}}, 1.0f, 10, 10).find_furrow(colors, 1);
   EXPECT_GT(found.sigma_px, 3);
   EXPECT_NEAR(found.log_ratio, 0, 0.1);
 }

@@ -164,7 +164,8 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
     const int finger = finger_of(anchor.a);
     const BoundaryLine line(reader, view, place, segment_px, anchor.inside_px, anchor.outside_px);
     if (!line.inside_frame()) continue;
-    const Boundary found = anchor.furrow ? line.find_furrow() : line.find(colors, finger, fine);
+    const Boundary found =
+        anchor.furrow ? line.find_furrow(colors, finger) : line.find(colors, finger, fine);
     const double mu = found.mean_px, sigma = found.sigma_px, z = mu / sigma;
     const double weight = kLineWeight * 2 / (1 + z * z) / (sigma * sigma);
     add_square(J.data(), weight, H.data());

@@ -54,11 +54,11 @@ BoundaryLine::BoundaryLine(const PixelReader& reader, const HandView& view,
   step_ = (view.to_frame(place.px + kFar * place.normal) - from_) / kFar;
 }
 
-int BoundaryLine::read(Bins& bins, Segments& segments) const noexcept {
+/// Pixels from inside to outside, and how many there are of each segment; returns of all.
+int BoundaryLine::read(Segments& segments, PixelGroup& group) const noexcept {
   const int reads = segment_px_ < 1.5f ? 1 : 2;
   LinePixels pixels;
   place_pixels(reader_, from_, step_, segment_px_, kHalf, reads, inside_px_, outside_px_, pixels);
-  PixelGroup group;
   int count = 0;
   for (int j = 0, i = 0; j < kSegments; ++j) {
     const int before = count;
@@ -66,10 +66,26 @@ int BoundaryLine::read(Bins& bins, Segments& segments) const noexcept {
       if (pixels.seen[i] != 0) reader_.read(pixels.x[i], pixels.y[i], count++, group);
     segments.reads[j] = count - before;
   }
+  return count;
+}
+
+BoundaryLine::Segments BoundaryLine::segments(const OutlineColors& colors,
+                                              int part) const noexcept {
+  Segments s;
+  PixelGroup group;
+  const auto count = static_cast<std::size_t>(read(s, group));
+  std::array<ColorBin, PixelGroup::kMost> bins;
   PixelGroup::Numbers luma;
   reader_.tell(group, bins, luma);
-  segments.each_read([&](int j, int i, float share) { segments.luma[j] += share * luma[i]; });
-  return count;
+  std::array<float, PixelGroup::kMost> ratios{};
+  colors.log_ratios(part, {bins.data(), count}, ratios);
+  constexpr std::array<float, 3> share{0, 1, 0.5f};  // of a segment's mean, by its reads
+  for (int j = 0, i = 0; j < kSegments; ++j)
+    for (int k = 0; k < s.reads[j]; ++k, ++i) {
+      s.ratio[j] += share[s.reads[j]] * ratios[i];
+      s.luma[j] += share[s.reads[j]] * luma[i];
+    }
+  return s;
 }
 
 Boundary BoundaryLine::boundary(const Places& p, int seen) const noexcept {
@@ -89,19 +105,13 @@ Boundary BoundaryLine::boundary(const Places& p, int seen) const noexcept {
 }
 
 Boundary BoundaryLine::find(const OutlineColors& colors, int part, bool edges) const noexcept {
-  Segments s;
-  Bins bins;
-  const auto count = static_cast<std::size_t>(read(bins, s));
-  std::array<float, PixelGroup::kMost> ratios{};
-  colors.log_ratios(part, {bins.data(), count}, ratios);
-  std::array<float, kSegments> ratio{};
-  s.each_read([&](int j, int i, float share) { ratio[j] += share * ratios[i]; });
+  const Segments s = segments(colors, part);
   // A boundary between two segments: all within are of the hand, all beyond of the background.
   Places log_p{};
-  float sum = ratio[0];
+  float sum = s.ratio[0];
   for (int k = 0; k < kPlaces; ++k) {
     log_p[k] = kRatioWeight * sum;
-    sum += ratio[k + 1];
+    sum += s.ratio[k + 1];
   }
   if (edges) {
     Places step{};
@@ -115,10 +125,8 @@ Boundary BoundaryLine::find(const OutlineColors& colors, int part, bool edges) c
   return boundary(p, kPlaces);
 }
 
-Boundary BoundaryLine::find_furrow() const noexcept {
-  Segments s;
-  Bins bins;
-  read(bins, s);
+Boundary BoundaryLine::find_furrow(const OutlineColors& colors, int part) const noexcept {
+  const Segments s = segments(colors, part);
   const auto seen = [&](int j) { return j >= 0 && j < kSegments && s.reads[j] > 0; };
   Places p{};
   int places = 0;

@@ -44,7 +44,7 @@ class BoundaryLine {
   /// The boundary by the colours on both sides and, where `edges`, by steps in luma.
   Boundary find(const OutlineColors& colors, int part, bool edges) const noexcept;
   /// That of two fingers: as a rule it is darker than both.
-  Boundary find_furrow() const noexcept;
+  Boundary find_furrow(const OutlineColors& colors, int part) const noexcept;
 
  private:
   static constexpr int kSegments = 2 * kHalf;
@@ -52,23 +52,14 @@ class BoundaryLine {
   static_assert(2 * kSegments <= PixelGroup::kMost);
   using Places = std::array<float, 16>;  ///< kPlaces numbers, in whole vectors
 
-  using Bins = std::array<ColorBin, PixelGroup::kMost>;
-
-  /// From inside to outside.
+  /// Mean log ratio of hand against background, and luma, from inside to outside.
   struct Segments {
-    std::array<float, kSegments> luma{};
-    std::array<int, kSegments> reads{};  ///< 0: not seen
-
-    /// take(segment, pixel, its share of the segment's mean) for the pixels read, one by one.
-    template <class Take>
-    void each_read(const Take& take) const {
-      for (int j = 0, i = 0; j < kSegments; ++j)
-        for (int k = 0; k < reads[j]; ++k, ++i) take(j, i, 1.0f / static_cast<float>(reads[j]));
-    }
+    std::array<float, kSegments> ratio{}, luma{};
+    std::array<int, kSegments> reads{};  ///< 0: not seen, ratio 0
   };
 
-  /// Returns of how many pixels.
-  int read(Bins& bins, Segments& segments) const noexcept;
+  int read(Segments& segments, PixelGroup& group) const noexcept;
+  Segments segments(const OutlineColors& colors, int part) const noexcept;
   /// Of how likely it is at each of the places, that so many are asked about.
   Boundary boundary(const Places& p, int seen) const noexcept;
 
