@@ -157,7 +157,7 @@ bool Aligner::Impl::step(const ImageView& frame, const Camera& camera, Appearanc
   double squares = 0, weights = 0;
   for (int i = 0; i < anchor_count; ++i) {
     const OutlineAnchor& anchor = anchors[i];
-    if (anchor.furrow && !fine) continue;
+    if (anchor.furrow && !fine) continue;  // it is narrower than coarse segments
     OutlinePlace place = silhouette.place(anchor);
     const OutlineDerivative J = silhouette.derivative(anchor, place);
     place.px += shown_outside_px(camera, view, silhouette, anchor, place, a.state) * place.normal;

@@ -52,19 +52,20 @@ bool Silhouette::try_furrow(OutlineAnchor anchor, Anchors& anchors, int& count) 
   const int finger = finger_of(anchor.a);
   if (count == kMaxAnchors || finger == kFingerCount || finger_of(anchor.b) != finger) return false;
   if (anchor.a == sphere_of(finger, 0)) return false;  // there fingers have grown together
-  const OutlinePlace at = place(anchor);
   const float thick = thickness_px(anchor);
+  if (thick < kFurrowAndSide_px) return false;
+  const OutlinePlace at = place(anchor);
   float nearest = std::numeric_limits<float>::max();
   for (int i = 0; i < own_capsules(); ++i) {
     const auto [a, b] = topology().pairs[i];
-    if (finger_of(a) == finger && finger_of(b) == finger) continue;
+    const int other = finger_of(a) == finger_of(b) ? finger_of(a) : kFingerCount;
+    if (other == finger) continue;
     const float d = capsule_distance_px(i, at.px);
-    if (finger_of(a) != kFingerCount && finger_of(a) == finger_of(b))
+    if (other != kFingerCount)
       nearest = std::min(nearest, d);
     else if (d < 0)
       return false;  // it lies on the palm
   }
-  if (thick < kFurrowAndSide_px) return false;
   if (nearest > static_cast<float>(to_px(kLeast_m)) || nearest < -thick) return false;
   anchor.inside_px = anchor.outside_px = thick;
   anchor.furrow = true;
