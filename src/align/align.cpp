@@ -53,7 +53,7 @@ void add_fingers(const RoughFingers& fingers, const HandView& view, const Silhou
   const double weight = 1 / (fingers.sigma_px * fingers.sigma_px);
   const auto add = [&](const Eigen::Vector2d& px, const Eigen::Vector2f& now_px,
                        const PlaceDerivative& J) {
-    H += weight * J.transpose() * J;
+    for (int axis = 0; axis < 2; ++axis) add_square(J.row(axis).data(), weight, H.data());
     g += weight * J.transpose() * (view.from_frame(px) - now_px).cast<double>();
   };
   for (int f = 0; f < kFingerCount; ++f) {

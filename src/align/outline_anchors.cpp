@@ -103,9 +103,10 @@ int Silhouette::choose(float spacing_px, Anchors& anchors) const noexcept {
       const Eigen::Vector2f d = disc_px(s) - disc_px(s - 1);
       from = std::atan2(d.y(), d.x());
     }
-    for (int k = 0; k < n; ++k)
-      try_anchor({s, s, 1, from + static_cast<float>(2 * std::numbers::pi * k / n)}, anchors,
-                 count);
+    for (int k = 0; k < n; ++k) {
+      const float angle = from + static_cast<float>(2 * std::numbers::pi * k / n);
+      try_anchor({s, s, 1, 0, {std::cos(angle), std::sin(angle)}}, anchors, count);
+    }
   }
   return count;
 }

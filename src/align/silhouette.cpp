@@ -200,7 +200,7 @@ float Silhouette::capsule_distance_px(int capsule, const Eigen::Vector2f& p) con
 OutlinePlace Silhouette::place(const OutlineAnchor& k) const noexcept {
   OutlinePlace place;
   if (k.a == k.b) {
-    place.normal = {std::cos(k.along), std::sin(k.along)};
+    place.normal = k.normal;
     place.px = disc_px(k.a) + r_[k.a] * place.normal;
     return place;
   }

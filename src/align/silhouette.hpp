@@ -18,11 +18,12 @@ inline constexpr double kFinestSegment_m = 0.00075;
 inline constexpr int kEitherSide = 2;
 
 /// A place on the outline by what carries it, so that it moves with the figure: on the tangent of
-/// two discs, or, where both are the same, on a disc at a fixed angle.
+/// two discs, or, where both are the same, on a disc where its normal is.
 struct OutlineAnchor {
   std::uint8_t a = 0, b = 0;  ///< spheres
   std::int8_t side = 1;       ///< of the tangent, looking from a to b
-  float along = 0;            ///< 0 at a, 1 at b; for a single disc the angle of its normal (rad)
+  float along = 0;            ///< 0 at a, 1 at b
+  Eigen::Vector2f normal = Eigen::Vector2f::Zero();  ///< of a single disc's place
   float inside_px = 0, outside_px = 0;  ///< how far the figure, and the free ground, reach
   bool furrow = false;  ///< another finger lies against it: there is no ground, but a furrow
 };
@@ -33,7 +34,7 @@ struct OutlinePlace {
 };
 
 using OutlineDerivative = Eigen::Matrix<double, 1, kHandFreedoms>;
-using PlaceDerivative = Eigen::Matrix<double, 2, kHandFreedoms>;
+using PlaceDerivative = Eigen::Matrix<double, 2, kHandFreedoms, Eigen::RowMajor>;
 
 /// Tapered capsules in a view, each pair of spheres that a hull has once.
 struct Capsules {
@@ -126,7 +127,7 @@ class Silhouette {
   // Rows x, y, radius; columns rotation, translation, abduction and flexion of the sphere's finger,
   // the thumb's bend, figure.
   static constexpr int kOwnFigureAt = 9, kOwnFreedoms = kOwnFigureAt + kFigureModes;
-  std::array<Eigen::Matrix<double, 3, kOwnFreedoms>, kSphereCount> J_;
+  std::array<Eigen::Matrix<double, 3, kOwnFreedoms, Eigen::RowMajor>, kSphereCount> J_;
   Capsules capsules_;
   Sheets sheets_;
   int capsule_count_ = 0;
