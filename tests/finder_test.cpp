@@ -32,6 +32,13 @@ struct Shown {
     picture.add_noise(4, 7);
   }
 
+  HandPlace place() const {
+    HandPlace hand;
+    hand.palm_px = film.camera.project(film.T_camera_hand.translation()).cast<float>();
+    for (int f = 0; f < kFingerCount; ++f) hand.tips_px[f] = film.true_tip_px(f).cast<float>();
+    return hand;
+  }
+
   /// Largest distance of a candidate's tips to the true ones, in spans.
   double worst(const HandCandidate& hand) const {
     double px = 0;
@@ -129,6 +136,28 @@ TEST_P(FinderAt, FindsHandsOfEverySizeAndTurn) {
 }
 INSTANTIATE_TEST_SUITE_P(SpansPx, FinderAt, testing::Values(110, 160, 240, 330));
 
+TEST(Finder, ASmallHandIsFoundAgainAtOnceWhereItWasLost) {
+  const Shown shown(45);  // too small for a look at the whole frame
+  const HandPlace lost = shown.place();
+  HandFinder finder;
+  for (const HandCandidate& hand : finder.search(shown.picture.view())) EXPECT_LT(hand.log_odds, 0);
+  finder.reset();
+  const auto hands = finder.search(shown.picture.view(), lost.region(2.6f * lost.span_px()));
+  ASSERT_GT(hands.size(), 0u);
+  EXPECT_GT(hands[0].log_odds, 1);
+  EXPECT_LT(shown.worst(hands[0]), 0.2);
+}
+
+TEST(Finder, AHandThatIsNotWhereItWasLostIsFoundElsewhere) {
+  const Shown shown(220);
+  HandFinder finder;
+  const FinderRegion corner{{90, 60}, 160};
+  const auto hands = finder.search(shown.picture.view(), corner);
+  ASSERT_GT(hands.size(), 0u);
+  EXPECT_GT(hands[0].log_odds, 1);
+  EXPECT_LT(shown.worst(hands[0]), 0.2);
+}
+
 TEST(Finder, MirroredPicturesShowTheOtherLayout) {
   const Shown shown(220);
   HandFinder finder;
@@ -148,21 +177,12 @@ TEST(Finder, MirroredPicturesShowTheOtherLayout) {
 TEST(Finder, LooksAtAKnownHandUpright) {
   const Shown shown(220);
   HandFinder finder;
-  const auto known = [&](const auto& to) {
-    HandPlace hand;
-    hand.palm_px = to(shown.film.camera.project(shown.film.T_camera_hand.translation())
-                          .template cast<float>()
-                          .eval());
-    for (int f = 0; f < kFingerCount; ++f)
-      hand.tips_px[f] = to(shown.film.true_tip_px(f).cast<float>().eval());
-    return hand;
-  };
   const auto looked = [&](const Picture& picture, const HandPlace& hand) {
     const auto found = finder.look(picture.view(), hand.region(2.6f * hand.span_px()));
     return found.empty() ? HandCandidate{} : found[0];
   };
   using Place = Eigen::Vector2f;
-  const HandPlace as_it_is = known([](const Place& px) { return px; });
+  const HandPlace as_it_is = shown.place();
   const HandCandidate first = looked(shown.picture, as_it_is);
   ASSERT_GT(first.log_odds, 1);
   Picture turned = shown.picture;

@@ -20,9 +20,9 @@ inline constexpr int kEitherSide = 2;
 /// A place on the outline by what carries it, so that it moves with the figure: on the tangent of
 /// two discs, or, where both are the same, on a disc where its normal is.
 struct OutlineAnchor {
-  std::uint8_t a = 0, b = 0;  ///< spheres
-  std::int8_t side = 1;       ///< of the tangent, looking from a to b
-  float along = 0;            ///< 0 at a, 1 at b
+  std::uint8_t a = 0, b = 0;                         ///< spheres
+  std::int8_t side = 1;                              ///< of the tangent, looking from a to b
+  float along = 0;                                   ///< 0 at a, 1 at b
   Eigen::Vector2f normal = Eigen::Vector2f::Zero();  ///< of a single disc's place
   float inside_px = 0, outside_px = 0;  ///< how far the figure, and the free ground, reach
   bool furrow = false;  ///< another finger lies against it: there is no ground, but a furrow

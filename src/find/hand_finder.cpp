@@ -93,9 +93,11 @@ std::span<const HandCandidate> HandFinder::look(const ImageView& frame,
   return impl_->candidates.items();
 }
 
-std::span<const HandCandidate> HandFinder::search(const ImageView& frame) noexcept {
+std::span<const HandCandidate> HandFinder::search(
+    const ImageView& frame, const std::optional<FinderRegion>& lost_in) noexcept {
   Impl& finder = *impl_;
   finder.candidates.clear();
+  if (lost_in) finder.look(frame, *lost_in);
   const Eigen::Vector2f size(static_cast<float>(frame.width_px),
                              static_cast<float>(frame.height_px));
   const Eigen::Vector2f middle = 0.5f * size - Eigen::Vector2f::Constant(0.5f);

@@ -4,6 +4,14 @@
 #include "track/tracker_state.hpp"
 
 namespace handyar {
+namespace {
+
+/// A look at a hand takes in so many reaches around it.
+constexpr float kReaches = 3.9f;
+
+FinderRegion around(const HandPlace& place) { return place.region(kReaches * place.reach_px()); }
+
+}  // namespace
 
 HandPlace HandTracker::Impl::place_of(const Hypothesis& its) const noexcept {
   const HandState& state = its.alignment.state;
@@ -33,12 +41,11 @@ const HandCandidate* HandTracker::Impl::seen_again() const noexcept {
 
 const HandCandidate* HandTracker::Impl::find(const ImageView& frame) noexcept {
   if (!has_hand()) {
-    candidates = finder.search(frame);
+    const bool lost = seen.state == State::lost;
+    candidates = finder.search(frame, lost ? std::optional(around(seen.place)) : std::nullopt);
     return nullptr;
   }
-  constexpr float kReaches = 3.9f;
-  const HandPlace now = followed();
-  candidates = finder.look(frame, now.region(kReaches * now.reach_px()));
+  candidates = finder.look(frame, around(followed()));
   const HandCandidate* const again = seen_again();
   if (again && again->log_odds > 0) return again;
   candidates = finder.search(frame);

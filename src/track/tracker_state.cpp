@@ -121,6 +121,7 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
   } else if (seen.belief > limits.believe || seen.state == State::tracking) {
     seen.state = State::tracking;
     seen.tracked_s = seen.time_s;
+    if (holds_hand()) seen.place = followed();
   } else {
     seen.state = was ? State::lost : State::acquiring;
   }

@@ -28,6 +28,7 @@ struct TrackerState {
   double belief = 0;  ///< log odds of hand against no hand
   double lately = 0;  ///< what frames of late say of the hand in the mean, log odds
   double looked_s = -std::numeric_limits<double>::infinity();
+  HandPlace place{};  ///< of the hand when it was last seen whole
   double tracked_s = -std::numeric_limits<double>::infinity();
   /// When the hand that was tracked was last read otherwise, or another one taken for it.
   double changed_s = -std::numeric_limits<double>::infinity();

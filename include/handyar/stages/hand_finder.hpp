@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "handyar/hand_model.hpp"
@@ -59,10 +60,11 @@ class HandFinder {
   HandFinder(HandFinder&&) noexcept;
   HandFinder& operator=(HandFinder&&) noexcept;
 
-  /// Searches a frame: the whole or, for smaller hands, one of its parts, in turn from frame to
-  /// frame, and once more around the likeliest hand for its fingertips. The likeliest candidate
-  /// first. Valid until the next call.
-  std::span<const HandCandidate> search(const ImageView& frame) noexcept;
+  /// Searches a frame: where a hand was lost, if one was, then the whole or, for smaller hands, one
+  /// of its parts, in turn from frame to frame, and once more around the likeliest hand for its
+  /// fingertips. The likeliest candidate first. Valid until the next call.
+  std::span<const HandCandidate> search(const ImageView& frame,
+                                        const std::optional<FinderRegion>& lost_in = {}) noexcept;
 
   /// One look at a part of a frame.
   std::span<const HandCandidate> look(const ImageView& frame, const FinderRegion& region) noexcept;
