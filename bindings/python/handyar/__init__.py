@@ -22,6 +22,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from ._core import (
+    ATTACHMENTS,
     FINGERS,
     Camera,
     FilteredPose,
@@ -29,6 +30,7 @@ from ._core import (
     PlanarPose,
     PoseFilter,
     PoseFilterConfig,
+    T_hand_attachment,
     Tracker,
     TrackResult,
     average_adult_hand,
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from . import calibration, draw, io
 
 __all__ = [
+    "ATTACHMENTS",
     "FINGERS",
     "Camera",
     "FilteredPose",
@@ -46,6 +49,7 @@ __all__ = [
     "PlanarPose",
     "PoseFilter",
     "PoseFilterConfig",
+    "T_hand_attachment",
     "TrackResult",
     "Tracker",
     "average_adult_hand",

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 _Array = NDArray[np.float64]
 _Layout = Literal["thumb_right", "thumb_left"]
 
+ATTACHMENTS: tuple[str, ...]
 FINGERS: tuple[str, str, str, str, str]
 
 class Camera:
@@ -167,6 +168,8 @@ class TrackResult:
     def scale_assumed(self) -> bool: ...
     @property
     def camera_assumed(self) -> bool: ...
+
+def T_hand_attachment(where: str, hand: HandModel, result: TrackResult) -> _Array: ...
 
 class Tracker:
     def __init__(

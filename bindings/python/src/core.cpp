@@ -12,6 +12,7 @@
 
 #include "arrays.hpp"
 #include "frame.hpp"
+#include "handyar/attachment.hpp"
 #include "handyar/planar_pose.hpp"
 #include "handyar/pose_filter.hpp"
 #include "tracker.hpp"
@@ -458,6 +459,30 @@ There is no `pose` meanwhile; an object stays on the palm by this one, which is 
       .def("__repr__", &describe);
 }
 
+void bind_attachments(py::module_& m) {
+  py::tuple names(kAttachmentCount);
+  for (int i = 0; i < kAttachmentCount; ++i) names[i] = name(static_cast<Attachment>(i));
+  m.attr("ATTACHMENTS") = names;
+  m.def(
+      "T_hand_attachment",
+      [](const std::string& where, const HandModel& hand, const TrackResult& result) {
+        const std::optional<Attachment> known = find_attachment(where);
+        if (!known) throw py::value_error("where: no place of the hand is called '" + where + "'");
+        return array(T_hand_attachment(*known, hand, result));
+      },
+      "where"_a, "hand"_a, "result"_a,
+      R"(The frame of an object that stands on a place of the hand, shape (4, 4), metres.
+
+It takes points of the object's frame to the hand frame, so that result.pose @ it takes them to the
+camera frame, and moves with the finger. The origin is where it touches the hand and +z is up: away
+from the hand, for a fingertip along the finger. +x is towards the wrist, for a fingertip out of the
+visible face.
+
+where: one of ATTACHMENTS: 'face', the middle of the visible one; 'palm' and 'back', behind the hand
+where the other is seen; 'wrist'; 'index_base', where a finger leaves the palm; 'index_tip'.
+hand: the tracker's, in the layout that `result` tells.)");
+}
+
 std::optional<Side> side_of(const std::optional<std::string>& side) {
   if (!side) return std::nullopt;
   for (const Side known : {Side::left, Side::right})
@@ -596,6 +621,7 @@ PYBIND11_MODULE(_core, m) {
   bind_filter(m);
   bind_planar(m);
   bind_result(m);
+  bind_attachments(m);
   bind_tracker(m);
   m.attr("__name__") = "handyar._core";
 }

@@ -36,7 +36,7 @@ def public(module):
     """The same names as they are."""
     found = {}
     for name, value in vars(importlib.import_module("handyar." + module)).items():
-        if name.startswith("_") or name == "FINGERS":
+        if name.startswith("_") or name in ("ATTACHMENTS", "FINGERS"):
             continue
         found[name] = value
         if isinstance(value, type) and not issubclass(value, Exception):

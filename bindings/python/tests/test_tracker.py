@@ -40,6 +40,21 @@ def test_fingertips_of_the_hand_model_project_near_those_seen(clip, tracked):
     assert np.linalg.norm(tips_px - r.tips, axis=1).mean() < 12
 
 
+def test_objects_stand_on_fingertips_and_on_the_face_that_is_seen(clip, tracked):
+    r = tracked.result
+    hand = tracked.tracker.hand.for_layout(r.layout)
+    on = {where: handyar.T_hand_attachment(where, hand, r) for where in handyar.ATTACHMENTS}
+    for T in on.values():
+        np.testing.assert_allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), atol=1e-9)
+    np.testing.assert_allclose(on["face"][:3, 3], hand.palm_centre_m, atol=1e-9)
+    np.testing.assert_allclose(on["face"], on[r.face])
+    for finger, tip_px in zip(handyar.FINGERS, r.tips, strict=True):
+        T_camera_object = r.raw_pose @ on[finger + "_tip"]
+        assert np.linalg.norm(clip.camera.project(T_camera_object[:3, 3]) - tip_px) < 6, finger
+    with pytest.raises(ValueError, match="elbow"):
+        handyar.T_hand_attachment("elbow", hand, r)
+
+
 def test_without_a_hand_there_is_none_and_nan():
     tracker = handyar.Tracker()
     r = tracker.process(np.zeros((240, 320, 3), np.uint8), 0)
