@@ -128,6 +128,9 @@ TEST(Aligner, OutlineAndColoursTellWhichPartsAreThere) {
     const PartRatios inside = scene.aligner.ratios_inside(scene.picture.view(), scene.camera,
                                                           scene.hand.appearance, a.state);
     EXPECT_EQ(is_whole(a, inside), there);
+    if (shown == Shown::in_its_own_light) {
+      EXPECT_LT(inside[0], -1) << "more colours lie behind";
+    }
     for (int part = 0; part <= kFingerCount; ++part)
       EXPECT_EQ(inside[part] + a.part_log_ratios[part] < 0, !there && part == 0)
           << static_cast<int>(shown) << ", part " << part << ": " << inside[part] << " inside, "

@@ -31,7 +31,8 @@ class OutlineColors {
   /// that was seen on neither side. At most kMostAsked at once.
   static constexpr int kMostAsked = 32;
   void log_ratios(int part, std::span<const ColorBin> bins, std::span<float> out) const noexcept;
-  /// The same by the colours of the hand but for this part, and of what lies behind the rest.
+  /// The same by the colours of the hand but for this part, and of what lies behind the rest; a
+  /// colour of neither lies rather behind.
   void log_ratios_by_rest(int part, std::span<const ColorBin> bins,
                           std::span<float> out) const noexcept;
 
