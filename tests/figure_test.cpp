@@ -121,6 +121,25 @@ TEST(HandFigure, FingertipsOfAHandThatHeldThemOtherwiseTellTheOneAtRest) {
   EXPECT_LT(off_m({}, deg(20)), 0.015);
 }
 
+TEST(HandFigure, FingertipsThatLieTogetherTellTheSizeOfAHandWhoseShapeIsKnown) {
+  const FigureEstimate truth{0.7 * somebody(), FigureEstimate{}.covariance};
+  const HandFigure figure = make_figure(truth.mean, Face::palm, Layout::thumb_right);
+  Posture closed;
+  for (int f = 1; f < kFingerCount; ++f) closed.abduction_rad[f] = 0.9 * closing_rad()[f];
+  const HandModel tips = measured_tips(figure, closed, 0);
+  // Of another size, as one camera sees it, and so vague.
+  FigureEstimate seen = rescaled(truth, 0.9);
+  const FigureCoefficients larger = (rescaled(truth, 1.05).mean - seen.mean).normalized();
+  seen.covariance = 0.01 * seen.covariance + larger * larger.transpose();
+  const auto finger_m = [](const FigureEstimate& estimate) {
+    const HandFigure f = make_figure(estimate.mean, Face::palm, Layout::thumb_right);
+    const int middle = static_cast<int>(Finger::middle);
+    return (f.tips_m.col(middle) - f.centres_m.col(sphere_of(middle, 0))).norm();
+  };
+  EXPECT_NEAR(finger_m(estimate_figure(tips, seen, closed)) / finger_m(truth), 1, 0.02);
+  EXPECT_GT(std::abs(finger_m(estimate_figure(tips)) / finger_m(truth) - 1), 0.05);
+}
+
 /// A tilted hand beside the middle of a camera with distortion. At rest: how a figure's derivative
 /// turns with its bent fingers is left out, being small.
 struct SilhouetteOfTiltedHand : testing::Test {

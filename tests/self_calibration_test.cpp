@@ -71,6 +71,19 @@ TEST(SelfCalibrate, GivesTheLearnedShapeTheKnownLength) {
   EXPECT_NEAR(measured.hand.span_m() / assumed.hand.span_m(), 1.1, 0.01);
 }
 
+TEST(SelfCalibrate, TheKnownLengthIsThatOfTheHandAsItWasSpread) {
+  const TurningHand scene;
+  auto views = scene.all();
+  Posture together;
+  for (int f = 0; f < kFingerCount; ++f) together.abduction_rad[f] = 0.7 * closing_rad()[f];
+  for (CalibrationView& view : views) view.posture = together;
+  const HandFigure figure = make_figure(scene.figure.mean, Face::palm, Layout::thumb_right);
+  const auto tips_m = pose_fingers(figure, together).tips_m;
+  const SelfCalibration c = self_calibrate_hand(
+      views, scene.camera, {.span_m = (tips_m.col(0) - tips_m.col(kFingerCount - 1)).norm()});
+  EXPECT_NEAR(c.hand.span_m(), scene.hand.span_m(), 0.0005);
+}
+
 std::string refused(const std::vector<CalibrationView>& views, const Camera& camera) {
   return testing::refusal<CalibrationError>([&] { self_calibrate_hand(views, camera); });
 }

@@ -104,8 +104,8 @@ void report(const HandCalibration& c, const HandModel& hand, double thickness_mm
 
 void report(const SelfCalibration& c) {
   std::printf(
-      "hand: %.1f mm from thumb tip to little fingertip, %s, tips +- %.1f mm; learned over %d "
-      "frames, seen from directions up to %.0f degrees apart\n",
+      "hand: %.1f mm from thumb tip to little fingertip at rest, %s, tips +- %.1f mm; learned over "
+      "%d frames, seen from directions up to %.0f degrees apart\n",
       1000 * c.hand.span_m(), std::string(name(c.hand.layout)).c_str(),
       1000 * std::sqrt(c.hand.tips_sigma_m.topRows<2>().array().square().mean()), c.views,
       c.turned_rad * 180 / CV_PI);

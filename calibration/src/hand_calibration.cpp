@@ -174,7 +174,12 @@ HandCalibration calibrate_hand(std::span<const CalibrationView> views, const Cam
     const Eigen::Matrix3d c = R_hand_board * out.tips.covariance_m2[k] * R_hand_board.transpose();
     out.by_triangulation.tips_sigma_m.col(k) = c.diagonal().cwiseSqrt();
   }
-  out.by_triangulation.figure = estimate_figure(out.by_triangulation);
+  // Fingertips alone do not tell a small hand from one whose fingers lie together: what its outline
+  // told the tracker of it does.
+  const CalibrationView& last = views[sights.views.back()];
+  out.by_triangulation.figure =
+      last.hand.figure ? estimate_figure(out.by_triangulation, *last.hand.figure, last.posture)
+                       : estimate_figure(out.by_triangulation);
   out.rms_difference_m =
       std::sqrt((out.tips.p_m - out.plane_tips.p_m).topRows<2>().colwise().squaredNorm().mean());
   return out;

@@ -25,11 +25,12 @@ double length_m(const HandFigure& figure) {
   return (figure.tips_m.col(static_cast<int>(Finger::middle)) - wrist).norm();
 }
 
-/// Factor that gives the hand its size.
-double size_factor(const HandModel& hand, const KnownLength& known) {
-  if (known.span_m) return *known.span_m / hand.span_m();
-  const double assumed_m = length_m(make_figure(hand.figure->mean, Face::palm, hand.layout));
-  return known.hand_length_m.value_or(kAverageHandLength_m) / assumed_m;
+/// Factor that gives the hand of a view its size.
+double size_factor(const CalibrationView& view, const KnownLength& known) {
+  const HandFigure figure = make_figure(view.hand.figure->mean, Face::palm, view.hand.layout);
+  if (!known.span_m) return known.hand_length_m.value_or(kAverageHandLength_m) / length_m(figure);
+  const auto tips_m = pose_fingers(figure, view.posture).tips_m;  // not at rest: as it was spread
+  return *known.span_m / (tips_m.col(0) - tips_m.col(kFingerCount - 1)).norm();
 }
 
 /// How far the fingertips of two shapes of one size lie apart.
@@ -71,7 +72,7 @@ SelfCalibration self_calibrate_hand(std::span<const CalibrationView> views, cons
         text("the two halves of the views tell different hands, their fingertips lie %.0f mm "
              "apart: hold the hand stiff, fingers spread, and turn it as a whole for longer",
              1000 * changed_m));
-  const FigureEstimate sized = rescaled(*learned.figure, size_factor(learned, known));
+  const FigureEstimate sized = rescaled(*learned.figure, size_factor(*used.back(), known));
   out.hand = hand_of_figure(sized, learned.layout);
   if (sized.mean.cwiseAbs().maxCoeff() > kMostCoefficient)
     throw CalibrationError(

@@ -130,9 +130,15 @@ using HeldDerivative = Eigen::Matrix<double, kTipPlaces, kHeldFreedoms>;
 
 Eigen::Vector2d quarter_turn(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
-/// Fingertips of a palm in thumb_right, in the frame that HandModel says, and by what they change.
-TipPlaces tips_of(const Held& held, HeldDerivative& J) {
+/// What is known of them before; what else of the posture, abductions aside, is known for certain.
+struct HeldPrior {
+  Held mean = Held::Zero();
+  HeldMatrix covariance = HeldMatrix::Zero();
   Posture posture;
+};
+
+/// Fingertips of a palm in thumb_right, in the frame that HandModel says, and by what they change.
+TipPlaces tips_of(const Held& held, Posture posture, HeldDerivative& J) {
   for (int f = 0; f < kFingerCount; ++f) posture.abduction_rad[f] = held[kFigureModes + f];
   const PosedFigure posed = pose_fingers(
       make_figure(held.head<kFigureModes>(), Face::palm, Layout::thumb_right), posture);
@@ -167,29 +173,52 @@ struct FigureOfTips {
   double log_likelihood = 0;  ///< of the fingertips, nats
 };
 
+struct MeasuredTips {
+  TipPlaces places_m, variance_m2;
+
+  explicit MeasuredTips(const HandModel& hand) {
+    const HandModel seen = hand.for_layout(Layout::thumb_right);
+    // Tips that say nothing of their doubt were measured to about a millimetre; a hand whose scale
+    // is assumed still tells the shape. Heights over the hand plane change sign with the face,
+    // which a model does not tell.
+    constexpr double kMeasured_m = 0.001;
+    for (int i = 0; i < kTipPlaces; ++i) {
+      const int f = i / 2, axis = i % 2;
+      const double stated_m = std::max(seen.tips_sigma_m(axis, f), kMeasured_m),
+                   unexplained_m = kFigureSigma_m[kTipOffset + 3 * f + axis];
+      places_m[i] = seen.tips_m(axis, f);
+      variance_m2[i] = stated_m * stated_m + unexplained_m * unexplained_m;
+    }
+  }
+};
+
 /// By fingertips, of a hand that is held with this prior (Gauss-Newton).
-FigureOfTips figure_of_tips(const TipPlaces& tips_m, const TipPlaces& variance_m2,
-                            const HeldMatrix& prior) {
+FigureOfTips figure_of_tips(const MeasuredTips& tips, const HeldPrior& prior) {
   constexpr int kSteps = 10;
   FigureOfTips result;
-  Held held = Held::Zero();
+  Held held = prior.mean;
   for (int step = 0; step < kSteps; ++step) {
     HeldDerivative J;
-    const TipPlaces places = tips_of(held, J), off = tips_m - places + J * held;
-    const HeldDerivative by_prior = J * prior;
+    const TipPlaces places_m = tips_of(held, prior.posture, J),
+                    off = tips.places_m - places_m + J * (held - prior.mean);
+    const HeldDerivative by_prior = J * prior.covariance;
     TipMatrix S = by_prior * J.transpose();
-    S.diagonal() += variance_m2;
+    S.diagonal() += tips.variance_m2;
     const Eigen::LLT<TipMatrix> llt(S);
     const TipPlaces weighted = llt.solve(off);
-    held = by_prior.transpose() * weighted;
+    held = prior.mean + by_prior.transpose() * weighted;
     result.figure.mean = held.head<kFigureModes>();
-    result.figure.covariance = (prior - by_prior.transpose() * llt.solve(by_prior))
+    result.figure.covariance = (prior.covariance - by_prior.transpose() * llt.solve(by_prior))
                                    .topLeftCorner<kFigureModes, kFigureModes>();
     result.log_likelihood =
         -0.5 * off.dot(weighted) - llt.matrixLLT().diagonal().array().log().sum();
   }
   return result;
 }
+
+/// In the frame in which fingertips were measured the middle finger may lie so far from the hand's
+/// own axis (standard deviation): they alone do not tell which way is along it.
+constexpr double kTurned_rad = 0.35;
 
 }  // namespace
 
@@ -210,35 +239,32 @@ Eigen::Matrix<double, kFingerCount, kFingerCount> abduction_covariance_rad2() no
 FigureEstimate estimate_figure(const HandModel& hand) noexcept {
   if (hand.figure) return *hand.figure;
   if (hand.source == HandSource::average_adult) return {};
-  const HandModel seen = hand.for_layout(Layout::thumb_right);
-  // Tips that say nothing of their doubt were measured to about a millimetre; a hand whose scale is
-  // assumed still tells the shape. Heights over the hand plane change sign with the face, which a
-  // model does not tell.
-  constexpr double kMeasured_m = 0.001;
-  TipPlaces tips_m, variance_m2;
-  for (int i = 0; i < kTipPlaces; ++i) {
-    const int f = i / 2, axis = i % 2;
-    const double stated_m = std::max(seen.tips_sigma_m(axis, f), kMeasured_m),
-                 unexplained_m = kFigureSigma_m[kTipOffset + 3 * f + axis];
-    tips_m[i] = seen.tips_m(axis, f);
-    variance_m2[i] = stated_m * stated_m + unexplained_m * unexplained_m;
-  }
-  // Fingers are held at rest or otherwise, and which way is along the middle finger fingertips
-  // alone do not tell whoever measured them: the likeliest of these.
-  constexpr double kTurned_rad = 0.35;
+  const MeasuredTips tips(hand);
+  // Fingers are held at rest or otherwise: the likeliest of these.
   FigureOfTips likeliest;
   likeliest.log_likelihood = -std::numeric_limits<double>::infinity();
   for (const double strays : {0.0, 1.0})
     for (const double turned_rad : {0.0, kTurned_rad}) {
-      HeldMatrix prior = HeldMatrix::Zero();
-      prior.topLeftCorner<kFigureModes, kFigureModes>().setIdentity();
-      prior.block<kFingerCount, kFingerCount>(kFigureModes, kFigureModes) =
+      HeldPrior prior;
+      prior.covariance.topLeftCorner<kFigureModes, kFigureModes>().setIdentity();
+      prior.covariance.block<kFingerCount, kFingerCount>(kFigureModes, kFigureModes) =
           strays * abduction_covariance_rad2();
-      prior(kTurnAt, kTurnAt) = turned_rad * turned_rad;
-      const FigureOfTips told = figure_of_tips(tips_m, variance_m2, prior);
+      prior.covariance(kTurnAt, kTurnAt) = turned_rad * turned_rad;
+      const FigureOfTips told = figure_of_tips(tips, prior);
       if (told.log_likelihood > likeliest.log_likelihood) likeliest = told;
     }
   return likeliest.figure;
+}
+
+FigureEstimate estimate_figure(const HandModel& hand, const FigureEstimate& person,
+                               const Posture& held) noexcept {
+  HeldPrior prior;
+  prior.posture = held;
+  prior.mean.head<kFigureModes>() = person.mean;
+  prior.covariance.topLeftCorner<kFigureModes, kFigureModes>() = person.covariance;
+  for (int f = 0; f < kFingerCount; ++f) prior.mean[kFigureModes + f] = held.abduction_rad[f];
+  prior.covariance(kTurnAt, kTurnAt) = kTurned_rad * kTurned_rad;
+  return figure_of_tips(MeasuredTips(hand), prior).figure;
 }
 
 FigureEstimate rescaled(const FigureEstimate& figure, double factor) noexcept {

@@ -83,6 +83,11 @@ FigureDerivative figure_derivative(int sphere, Face face, Layout layout) noexcep
 /// one at rest, and poses are those of that one's hand frame.
 FigureEstimate estimate_figure(const HandModel& hand) noexcept;
 
+/// What fingertips say of a person whose figure is known so well already, but for its size, say,
+/// and who held the fingers so when the fingertips were measured.
+FigureEstimate estimate_figure(const HandModel& hand, const FigureEstimate& person,
+                               const Posture& held) noexcept;
+
 /// The figure of a hand of the same shape that is `factor` times as large, as well as the modes can
 /// say it.
 FigureEstimate rescaled(const FigureEstimate& figure, double factor) noexcept;

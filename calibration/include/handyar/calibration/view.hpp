@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "handyar/calibration/board.hpp"
+#include "handyar/stages/hand_figure.hpp"
 #include "handyar/tracker.hpp"
 
 namespace handyar {
@@ -23,6 +24,7 @@ struct CalibrationView {
   std::array<Tip, kValleyCount> webs;
   std::optional<Eigen::Isometry3d> T_camera_hand;  ///< while tracked
   HandModel hand;                                  ///< as learned until then, where tracked
+  Posture posture;                                 ///< in which it was held
 
   bool board_seen() const { return !corners_px.empty(); }
   bool hand_seen() const {
