@@ -36,7 +36,7 @@ struct Constellation {
 #include "find/constellation_statistics.inc"
 
 // A hand whose log odds are less is not worth the time of laying a figure on it.
-constexpr float kLeastOdds = -1.0f;
+constexpr float kLeastOdds = -1.5f;
 // What a fingertip that is not seen adds to the sum of all.
 constexpr float kMissingTip = kOdds[4] / kOdds[2];
 
