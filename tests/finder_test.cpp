@@ -121,17 +121,21 @@ TEST(Constellation, FingertipsThatNoHandHasAreNone) {
   EXPECT_LT(maps.likeliest().log_odds, 0);
 }
 
+void expect_found(const Shown& shown, std::span<const HandCandidate> hands) {
+  ASSERT_GT(hands.size(), 0u);
+  EXPECT_GT(hands[0].log_odds, 1);
+  EXPECT_EQ(hands[0].layout, Layout::thumb_right);
+  EXPECT_LT(shown.worst(hands[0]), 0.2);
+}
+
 class FinderAt : public testing::TestWithParam<int> {};
 
 TEST_P(FinderAt, FindsHandsOfEverySizeAndTurn) {
   HandFinder finder;
   for (const double turn : {-25.0, 0.0, 25.0, 90.0, 180.0}) {
     const Shown shown(GetParam(), deg(turn));
-    const auto hands = finder.search(shown.picture.view());
-    ASSERT_GT(hands.size(), 0u) << turn;
-    EXPECT_GT(hands[0].log_odds, 1) << turn;
-    EXPECT_EQ(hands[0].layout, Layout::thumb_right);
-    EXPECT_LT(shown.worst(hands[0]), 0.2) << turn;
+    SCOPED_TRACE(turn);
+    expect_found(shown, finder.search(shown.picture.view()));
   }
 }
 INSTANTIATE_TEST_SUITE_P(SpansPx, FinderAt, testing::Values(110, 160, 240, 330));
@@ -142,20 +146,14 @@ TEST(Finder, ASmallHandIsFoundAgainAtOnceWhereItWasLost) {
   HandFinder finder;
   for (const HandCandidate& hand : finder.search(shown.picture.view())) EXPECT_LT(hand.log_odds, 0);
   finder.reset();
-  const auto hands = finder.search(shown.picture.view(), lost.region(2.6f * lost.span_px()));
-  ASSERT_GT(hands.size(), 0u);
-  EXPECT_GT(hands[0].log_odds, 1);
-  EXPECT_LT(shown.worst(hands[0]), 0.2);
+  expect_found(shown, finder.search(shown.picture.view(), lost.region(2.6f * lost.span_px())));
 }
 
 TEST(Finder, AHandThatIsNotWhereItWasLostIsFoundElsewhere) {
   const Shown shown(220);
   HandFinder finder;
   const FinderRegion corner{{90, 60}, 160};
-  const auto hands = finder.search(shown.picture.view(), corner);
-  ASSERT_GT(hands.size(), 0u);
-  EXPECT_GT(hands[0].log_odds, 1);
-  EXPECT_LT(shown.worst(hands[0]), 0.2);
+  expect_found(shown, finder.search(shown.picture.view(), corner));
 }
 
 TEST(Finder, MirroredPicturesShowTheOtherLayout) {

@@ -3,6 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "handyar/stages/evidence.hpp"
 #include "text.hpp"
 
 namespace handyar {
@@ -20,11 +21,7 @@ CalibrationView hand_view(const TrackResult& result, const HandModel& learned) {
   v.webs = result.webs;
   if (result.raw_pose) v.T_camera_hand = result.raw_pose->T_camera_hand;
   v.hand = learned;
-  for (int f = 0; f < kFingerCount; ++f) {
-    v.posture.abduction_rad[f] = result.fingers[f].abduction_rad;
-    v.posture.flexion_rad[f] = result.fingers[f].flexion_rad;
-  }
-  v.posture.thumb_bend_rad = result.thumb_bend_rad;
+  v.posture = posture_of(result);
   return v;
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "handyar/stages/evidence.hpp"
 #include "handyar/stages/hand_figure.hpp"
 
 namespace handyar {
@@ -79,13 +80,7 @@ Eigen::Isometry3d T_hand_attachment(Attachment where, const HandModel& hand,
     return over(middle_m, 0.5 * (figure.radii_m[root] + wrist_radius_m), -1);
   }
 
-  Posture posture;
-  for (int f = 0; f < kFingerCount; ++f) {
-    posture.abduction_rad[f] = result.fingers[f].abduction_rad;
-    posture.flexion_rad[f] = result.fingers[f].flexion_rad;
-  }
-  posture.thumb_bend_rad = result.thumb_bend_rad;
-  const PosedFigure posed = pose_fingers(figure, posture);
+  const PosedFigure posed = pose_fingers(figure, posture_of(result));
   if (where >= Attachment::thumb_tip)
     return on_tip(posed, number(where) - number(Attachment::thumb_tip));
   const int base = base_sphere(number(where) - number(Attachment::thumb_base));

@@ -70,4 +70,14 @@ void HandTracker::Impl::report(TrackResult& result) noexcept {
   }
 }
 
+Posture posture_of(const TrackResult& result) noexcept {
+  Posture posture;
+  for (int f = 0; f < kFingerCount; ++f) {
+    posture.abduction_rad[f] = result.fingers[f].abduction_rad;
+    posture.flexion_rad[f] = result.fingers[f].flexion_rad;
+  }
+  posture.thumb_bend_rad = result.thumb_bend_rad;
+  return posture;
+}
+
 }  // namespace handyar

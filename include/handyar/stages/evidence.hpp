@@ -5,6 +5,7 @@
 
 #include "handyar/stages/align.hpp"
 #include "handyar/stages/hand_finder.hpp"
+#include "handyar/tracker.hpp"
 
 namespace handyar {
 
@@ -16,5 +17,8 @@ struct FrameEvidence {
   double belief = 0;     ///< log odds, added up over time
   int hypotheses = 0;    ///< appearances and planar solutions still thought possible
 };
+
+/// The posture in which a result has the hand; at rest where there is none.
+Posture posture_of(const TrackResult& result) noexcept;
 
 }  // namespace handyar
