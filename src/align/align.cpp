@@ -9,6 +9,7 @@
 #include "align/boundary_line.hpp"
 #include "align/outline_colors.hpp"
 #include "align/palm_texture.hpp"
+#include "align/parts_inside.hpp"
 #include "align/silhouette.hpp"
 #include "image/pixel_reader.hpp"
 #include "vectorised.hpp"
@@ -32,8 +33,6 @@ std::size_t first_iteration(int coarsest) {
   while (first + 1 < kSegments.size() && kSegments[first + 1] >= coarsest) ++first;
   return first;
 }
-// Neighbouring lines see the same light, the same wrong figure: so much of one's say is its own.
-constexpr double kLineWeight = 0.15;
 // The hand's colours are learned this far from its outline at most.
 constexpr double kLearnInside_m = 0.0075;
 
@@ -73,31 +72,6 @@ float shown_outside_px(const Camera& camera, const HandView& view, const Silhoue
     outside_px += late_s * silhouette.derivative(anchor, place).head<6>().dot(state.velocity);
   }
   return static_cast<float>(outside_px);
-}
-
-/// Points inside a part: along a finger's axis, or spread over the palm.
-constexpr int kMostInside = 16;
-using Inside = Eigen::Matrix<double, 3, kMostInside>;
-Inside points_inside(const PosedFigure& posed, int part) {
-  constexpr int kSide = 4;  // of the palm's grid
-  Inside points;
-  const auto mix = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b, double t) {
-    return ((1 - t) * a + t * b).eval();
-  };
-  const auto centre = [&](int sphere) { return posed.centres_m.col(sphere).eval(); };
-  for (int i = 0; i < kMostInside; ++i) {
-    if (part < kFingerCount) {
-      const double t = 2.0 * i / (kMostInside - 1);  // in bones
-      const int bone = std::min(static_cast<int>(t), 1);
-      points.col(i) =
-          mix(centre(sphere_of(part, 1 + bone)), centre(sphere_of(part, 2 + bone)), t - bone);
-      continue;
-    }
-    const double across = (i % kSide + 0.5) / kSide, up = (i / kSide + 0.5) / kSide;
-    points.col(i) = mix(mix(centre(kWristThumb), centre(kWristLittle), across),
-                        mix(centre(sphere_of(1, 0)), centre(sphere_of(4, 0)), across), up);
-  }
-  return points;
 }
 
 }  // namespace
@@ -211,37 +185,11 @@ Alignment Aligner::align(const ImageView& frame, const Camera& camera, Appearanc
 
 PartRatios Aligner::ratios_inside(const ImageView& frame, const Camera& camera,
                                   Appearance appearance, const HandState& state) const noexcept {
-  PartRatios inside{};
   const HandView view(camera, state.T_camera_hand.translation());
   const Silhouette silhouette(appearance, state, view);
-  if (!silhouette.valid()) return inside;
-  const PixelReader reader(frame);
-  const PosedFigure posed = posed_figure(appearance, state);
-  for (int part = 0; part <= kFingerCount; ++part) {
-    const Inside points = points_inside(posed, part);
-    std::array<ColorBin, kMostInside> bins{};
-    std::size_t count = 0, covered = 0;
-    for (int i = 0; i < kMostInside; ++i) {
-      const Eigen::Vector2d at_px = camera.project(state.T_camera_hand * points.col(i));
-      const Eigen::Vector2f px = at_px.cast<float>();
-      if (!reader.covers(px.x(), px.y())) continue;
-      if (part < kFingerCount && silhouette.others_cover(part, view.from_frame(at_px)))
-        ++covered;
-      else
-        bins[count++] = reader.bin(reader.nearest_x(px.x()), reader.nearest_y(px.y()));
-    }
-    if (2 * (count + covered) < kMostInside) continue;
-    if (count < covered) {  // it is folded
-      inside[part] = -kMostInside * kLineWeight * kMostEvidence;
-      continue;
-    }
-    std::array<float, kMostInside> ratios{};
-    impl_->colors.log_ratios_by_rest(part, {bins.data(), count}, ratios);
-    // A point tells as much as a line across the outline, and may be wrong as well.
-    for (std::size_t i = 0; i < count; ++i)
-      inside[part] += kLineWeight * std::clamp(ratios[i], -kMostEvidence, kMostEvidence);
-  }
-  return inside;
+  if (!silhouette.valid()) return {};
+  return handyar::ratios_inside(parts_inside(frame, camera, view, silhouette, appearance, state),
+                                impl_->colors);
 }
 
 bool is_whole(const Alignment& alignment, const PartRatios& inside) noexcept {

@@ -15,6 +15,8 @@ namespace handyar {
 
 /// No line, and no point, tells more: it may be wrong altogether. Nats.
 inline constexpr float kMostEvidence = 3.0f;
+/// Neighbouring ones see the same light, the same wrong figure: so much of one's say is its own.
+inline constexpr double kLineWeight = 0.15;
 
 /// Where along a line the boundary between hand and background lies.
 struct Boundary {

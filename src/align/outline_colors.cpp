@@ -13,10 +13,10 @@ namespace {
 constexpr float kOwn = 0.6f;
 // The share of samples that says that a colour might come on either side.
 constexpr float kUnseen = 2e-4f;
-// There are more colours behind a hand than on it: one that neither the rest of the hand nor what
-// lies behind it has is so many times likelier there. With 2 to 4 wrong frames of changed clips are
-// 1.3 to 1.8 in a hundred, with 1 they are 2.8; the more, the fewer hands are shown as sound.
-constexpr float kMoreBehind = 2;
+// There are more colours behind a hand than on it: this share of what lies behind a part is of none
+// that is known, so such a colour is so many times likelier there as fewer are new in the hand's
+// other parts, at most kMoreBehind times, since a part may have a light of its own.
+constexpr float kNovelBehind = 0.6f, kMoreBehind = 3;
 // Samples lie on their bin and its neighbours, so that colours a little off are known.
 constexpr float kCentre = 0.4f, kNeighbour = (1 - kCentre) / 6;
 // No division by the samples of what was not seen yet.
@@ -97,20 +97,23 @@ void OutlineColors::log_ratios(int part, std::span<const ColorBin> bins,
   std::copy_n(ratio.begin(), bins.size(), out.begin());
 }
 
-void OutlineColors::log_ratios_by_rest(int part, std::span<const ColorBin> bins,
-                                       std::span<float> out) const noexcept {
-  const Counts &own = totals_[part], &all = totals_[kTogether];
+float OutlineColors::Shares::novelty() const noexcept {
+  return kUnseen / (std::max(hand, background) + kUnseen);
+}
+
+float OutlineColors::Shares::log_ratio(float novelty_elsewhere) const noexcept {
+  const float more_behind = std::clamp(kNovelBehind / novelty_elsewhere, 1.0f, kMoreBehind);
+  return fast_log((hand + kUnseen) / (background + more_behind * kUnseen));
+}
+
+OutlineColors::Shares OutlineColors::shares_by_rest(int part, ColorBin bin) const noexcept {
   const auto share = [](float of_all, float of_own, float all_samples, float own_samples) {
     return std::max(of_all - of_own, 0.0f) / (std::max(all_samples - own_samples, 0.0f) + kTiny);
   };
-  for (std::size_t i = 0; i < bins.size(); ++i) {
-    const Counts& own_bin = bins_[bins[i]].tables[part];
-    const Counts& all_bin = bins_[bins[i]].tables[kTogether];
-    const float hand = share(all_bin.hand, own_bin.hand, all.hand, own.hand),
-                background =
-                    share(all_bin.background, own_bin.background, all.background, own.background);
-    out[i] = fast_log((hand + kUnseen) / (background + kMoreBehind * kUnseen));
-  }
+  const Counts &own = totals_[part], &all = totals_[kTogether];
+  const Counts &of_own = bins_[bin].tables[part], &of_all = bins_[bin].tables[kTogether];
+  return {share(of_all.hand, of_own.hand, all.hand, own.hand),
+          share(of_all.background, of_own.background, all.background, own.background)};
 }
 
 }  // namespace handyar

@@ -31,10 +31,19 @@ class OutlineColors {
   /// that was seen on neither side. At most kMostAsked at once.
   static constexpr int kMostAsked = 32;
   void log_ratios(int part, std::span<const ColorBin> bins, std::span<float> out) const noexcept;
-  /// The same by the colours of the hand but for this part, and of what lies behind the rest; a
-  /// colour of neither lies rather behind.
-  void log_ratios_by_rest(int part, std::span<const ColorBin> bins,
-                          std::span<float> out) const noexcept;
+
+  /// How common a colour is on a hand and behind it, as shares of the samples.
+  struct Shares {
+    float hand = 0, background = 0;
+
+    /// 0 to 1, 1 for a colour of neither.
+    float novelty() const noexcept;
+    /// Nats. Of a colour of neither it says the more, the less new the hand's colours are
+    /// elsewhere.
+    float log_ratio(float novelty_elsewhere) const noexcept;
+  };
+  /// On the hand but for this part, and behind the rest.
+  Shares shares_by_rest(int part, ColorBin bin) const noexcept;
 
  private:
   static constexpr int kTables = kParts + 1, kTogether = kParts;

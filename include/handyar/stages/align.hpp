@@ -139,10 +139,10 @@ class Aligner {
 
   /// What the colours inside a state's figure say of its parts: of points along each finger from
   /// its middle joint on, and over the palm, whether they are those of the rest of the hand or
-  /// those behind it; one that is neither's lies rather behind, where there are more colours. A
-  /// part's own would not tell, for they were learned from what it was laid on; nor do points where
-  /// another part lies, too, and a finger most of whose points are such is folded. Nothing where
-  /// most of a part is out of the frame.
+  /// those behind it; one that is neither's lies rather behind, where there are more colours, the
+  /// more so the fewer such points the other parts have. A part's own would not tell, for they were
+  /// learned from what it was laid on; nor do points where another part lies, too, and a finger
+  /// most of whose points are such is folded. Nothing where most of a part is out of the frame.
   PartRatios ratios_inside(const ImageView& frame, const Camera& camera, Appearance appearance,
                            const HandState& state) const noexcept;
 
