@@ -13,10 +13,10 @@ namespace {
 constexpr float kOwn = 0.6f;
 // The share of samples that says that a colour might come on either side.
 constexpr float kUnseen = 2e-4f;
-// There are more colours behind a hand than on it: this share of what lies behind a part is of none
-// that is known, so such a colour is so many times likelier there as fewer are new in the hand's
-// other parts, at most kMoreBehind times, since a part may have a light of its own.
-constexpr float kNovelBehind = 0.6f, kMoreBehind = 3;
+// There are more colours behind a hand than on it, and one that is known of neither is new to most
+// of what lies there. A part has such colours as often as the hand's other parts have, or since it
+// has a light of its own, so often.
+constexpr float kOwnLight = 1.0f / 3;
 // Samples lie on their bin and its neighbours, so that colours a little off are known.
 constexpr float kCentre = 0.4f, kNeighbour = (1 - kCentre) / 6;
 // No division by the samples of what was not seen yet.
@@ -102,7 +102,7 @@ float OutlineColors::Shares::novelty() const noexcept {
 }
 
 float OutlineColors::Shares::log_ratio(float novelty_elsewhere) const noexcept {
-  const float more_behind = std::clamp(kNovelBehind / novelty_elsewhere, 1.0f, kMoreBehind);
+  const float more_behind = std::max(1 / (novelty_elsewhere + kOwnLight), 1.0f);
   return fast_log((hand + kUnseen) / (background + more_behind * kUnseen));
 }
 
