@@ -188,8 +188,7 @@ PartRatios Aligner::ratios_inside(const ImageView& frame, const Camera& camera,
   const HandView view(camera, state.T_camera_hand.translation());
   const Silhouette silhouette(appearance, state, view);
   if (!silhouette.valid()) return {};
-  return handyar::ratios_inside(parts_inside(frame, camera, view, silhouette, appearance, state),
-                                impl_->colors);
+  return ratios_of(parts_inside(frame, camera, view, silhouette, appearance, state), impl_->colors);
 }
 
 bool is_whole(const Alignment& alignment, const PartRatios& inside) noexcept {

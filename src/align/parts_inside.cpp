@@ -64,7 +64,7 @@ PartsInside parts_inside(const ImageView& frame, const Camera& camera, const Han
   return parts;
 }
 
-PartRatios ratios_inside(const PartsInside& parts, const OutlineColors& colors) noexcept {
+PartRatios ratios_of(const PartsInside& parts, const OutlineColors& colors) noexcept {
   PartRatios inside{};
   std::array<Shares, OutlineColors::kParts> shares{};
   std::array<Novelty, OutlineColors::kParts> novelty{};

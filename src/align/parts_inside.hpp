@@ -26,11 +26,12 @@ struct PartInside {
 };
 using PartsInside = std::array<PartInside, OutlineColors::kParts>;
 
+/// What the picture shows inside the figure of a state, whose silhouette is valid.
 PartsInside parts_inside(const ImageView& frame, const Camera& camera, const HandView& view,
                          const Silhouette& silhouette, Appearance appearance,
                          const HandState& state) noexcept;
 
 /// Log likelihood ratios of hand against none, nats, each part's by the colours of the rest.
-PartRatios ratios_inside(const PartsInside& parts, const OutlineColors& colors) noexcept;
+PartRatios ratios_of(const PartsInside& parts, const OutlineColors& colors) noexcept;
 
 }  // namespace handyar
