@@ -11,7 +11,7 @@ namespace {
 
 using Inside = Eigen::Matrix<double, 3, kMostInside>;
 Inside points_inside(const PosedFigure& posed, int part) {
-  constexpr int kSide = 4;  // of the palm's grid
+  constexpr int kAcross = 4;  // points in a row of the palm
   Inside points;
   const auto mix = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b, double t) {
     return ((1 - t) * a + t * b).eval();
@@ -25,7 +25,7 @@ Inside points_inside(const PosedFigure& posed, int part) {
           mix(centre(sphere_of(part, 1 + bone)), centre(sphere_of(part, 2 + bone)), t - bone);
       continue;
     }
-    const double across = (i % kSide + 0.5) / kSide, up = (i / kSide + 0.5) / kSide;
+    const double across = (i % kAcross + 0.5) / kAcross, up = (i / kAcross + 0.5) / kAcross;
     points.col(i) = mix(mix(centre(kWristThumb), centre(kWristLittle), across),
                         mix(centre(sphere_of(1, 0)), centre(sphere_of(4, 0)), across), up);
   }
