@@ -13,6 +13,7 @@ struct Seen {
   explicit Seen(Face face, Layout layout = Layout::thumb_right)
       : hand(hand_of_figure({}, layout)),
         figure(make_figure(FigureCoefficients::Zero(), face, layout)) {
+    hand.source = HandSource::truth;
     result.face = face;
     result.layout = layout;
   }

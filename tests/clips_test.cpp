@@ -240,5 +240,27 @@ TEST(Clips, WallOfAlmostSkinColour) {
   EXPECT_LT(median(annotated.tips_px), 8);  // marks by hand are off by some pixels themselves
 }
 
+TEST(Clips, ARealHandThatIsHeldStillStaysWhereItIs) {
+  const auto source = io::open_input(data("wall/video.mp4"));
+  HandTracker tracker = strangers_tracker(*source);
+  io::Frame frame;
+  while (source->read(frame) && frame.index < 66) continue;
+  const cv::Mat still = frame.bgr.clone();
+  cv::RNG noise(66);
+  double first_m = 0;
+  for (int i = 0; i < 120; ++i) {
+    cv::Mat grains(still.size(), CV_16SC3), noisy;
+    noise.fill(grains, cv::RNG::NORMAL, 0, 3);
+    cv::add(still, grains, noisy, cv::noArray(), CV_8U);
+    frame.bgr = noisy;
+    const TrackResult r = tracker.process(frame.view(), i / 30.0);
+    if (i < 15) continue;
+    ASSERT_TRUE(r.pose) << i;
+    const double distance_m = r.pose->T_camera_hand.translation().norm();
+    if (first_m == 0) first_m = distance_m;
+    EXPECT_NEAR(distance_m / first_m, 1, 0.02) << i;
+  }
+}
+
 }  // namespace
 }  // namespace handyar

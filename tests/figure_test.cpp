@@ -95,6 +95,24 @@ TEST(HandFigure, AHandModelOfAFigureTellsItAgain) {
   EXPECT_NEAR(hand_of_figure(larger, Layout::thumb_left).span_m() / hand.span_m(), 1.1, 0.01);
 }
 
+TEST(HandFigure, OfAnAssumedSizeTheCoefficientsTellTheShapeAlone) {
+  const FigureCoefficients mean = FigureCoefficients::Zero();
+  EXPECT_NEAR(relative_size(mean) * kAverageHandLength_m,
+              hand_length_m(make_figure(mean, Face::palm, Layout::thumb_right)), 1e-12);
+  FigureEstimate figure;
+  figure.mean = 0.7 * somebody();
+  const FigureEstimate larger = rescaled(figure, 1.1);
+  EXPECT_NEAR(relative_size(larger.mean) / relative_size(figure.mean), 1.1, 0.01);
+  const auto tips_m = [](const FigureEstimate& f) {
+    HandModel hand = hand_of_figure(f, Layout::thumb_left, true);
+    hand.source = HandSource::self;
+    EXPECT_TRUE(hand.scale_assumed());
+    EXPECT_LT((make_figure(hand, Face::palm, hand.layout).tips_m - hand.tips_m).norm(), 1e-12);
+    return hand.tips_m;
+  };
+  EXPECT_LT((tips_m(figure) - tips_m(larger)).colwise().norm().maxCoeff(), 0.001);
+}
+
 /// The fingertips of a palm in thumb_right that holds its fingers so, in the frame that they define
 /// when it is turned by so much.
 HandModel measured_tips(const HandFigure& figure, const Posture& posture, double turned_rad) {

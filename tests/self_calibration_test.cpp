@@ -65,10 +65,13 @@ TEST(SelfCalibrate, GivesTheLearnedShapeTheKnownLength) {
   EXPECT_NEAR(larger.hand.span_m() / c.hand.span_m(), 1.1, 0.01);
   const SelfCalibration assumed = self_calibrate_hand(views, scene.camera);
   EXPECT_TRUE(assumed.hand.scale_assumed());
-  const SelfCalibration measured =
-      self_calibrate_hand(views, scene.camera, {.hand_length_m = 1.1 * kAverageHandLength_m});
-  EXPECT_FALSE(measured.hand.scale_assumed());
-  EXPECT_NEAR(measured.hand.span_m() / assumed.hand.span_m(), 1.1, 0.01);
+  EXPECT_NEAR(assumed.hand.span_m() / scene.hand.span_m(), 1 / relative_size(scene.figure.mean),
+              0.01);
+  const auto of_length = [&](double length_m) {
+    return self_calibrate_hand(views, scene.camera, {.hand_length_m = length_m}).hand;
+  };
+  EXPECT_FALSE(of_length(0.19).scale_assumed());
+  EXPECT_NEAR(of_length(0.19).span_m() / of_length(0.17).span_m(), 0.19 / 0.17, 0.01);
 }
 
 TEST(SelfCalibrate, TheKnownLengthIsThatOfTheHandAsItWasSpread) {

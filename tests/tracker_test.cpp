@@ -300,7 +300,8 @@ TEST(Tracker, FingersSideBySideAreNoSmallerHand) {
     ASSERT_TRUE(film.result.pose) << closing;
     const Eigen::Isometry3d& T = film.result.pose->T_camera_hand;
     EXPECT_LT(rotation_error_rad(film), deg(8)) << closing;
-    EXPECT_NEAR(T.translation().norm() / film.T_camera_hand.translation().norm(), 1, 0.1)
+    const double size = relative_size(film.hand.state.figure);
+    EXPECT_NEAR(size * T.translation().norm() / film.T_camera_hand.translation().norm(), 1, 0.1)
         << closing;
   }
 }
@@ -324,6 +325,26 @@ TEST(Tracker, LearnsAnotherPersonsHand) {
   EXPECT_EQ(film.result.state, State::tracking);
   EXPECT_LT(error_m(film.tracker.hand()), 0.6 * error_m(average_adult_hand()));
   EXPECT_TRUE(film.result.scale_assumed);
+}
+
+TEST(Tracker, AnAssumedSizeStaysWhateverShapeIsLearned) {
+  for (const double slender : {-2.0, 2.0}) {
+    Film film;
+    film.hand_model = average_adult_hand();
+    film.tracker = HandTracker(film.camera, film.hand_model);
+    film.hand.state.figure.head<2>() << slender, 0;
+    const double size = relative_size(film.hand.state.figure);
+    ASSERT_LT(film.until(State::tracking, 1), 1);
+    for (int i = 0; i < 120; ++i) {
+      film.next();
+      if (i < 15) continue;
+      ASSERT_TRUE(film.result.pose) << i;
+      const double distance_m = film.result.pose->T_camera_hand.translation().norm();
+      EXPECT_NEAR(size * distance_m / film.T_camera_hand.translation().norm(), 1, 0.015) << i;
+    }
+    const HandModel truth = hand_of_figure({film.hand.state.figure, {}}, Layout::thumb_right);
+    EXPECT_NEAR(size * film.tracker.hand().span_m() / truth.span_m(), 1, 0.03);
+  }
 }
 
 TEST(Tracker, ALargerObjectOfSkinColourDoesNotStealTheTrack) {

@@ -91,7 +91,7 @@ void draw_board(Plane& plane, const Board& board) {
 
 // The hulls of the figure, seen from above.
 void draw_figure(Plane& plane, const HandModel& hand, const Placed& placed) {
-  const HandFigure figure = make_figure(hand.figure->mean, Face::palm, hand.layout);
+  const HandFigure figure = make_figure(hand, Face::palm, hand.layout);
   constexpr int kSteps = 24;
   for (const auto& hull : figure_hulls()) {
     std::vector<cv::Point2f> rims;

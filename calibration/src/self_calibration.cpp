@@ -18,17 +18,11 @@ constexpr double kMostChange_m = 0.004;
 constexpr double kLeastTurn_rad = 30 * kDegree;
 constexpr double kMostCoefficient = 8;  // a hand file with a figure beyond is refused
 
-/// From the crease of the wrist to the tip of the middle finger.
-double length_m(const HandFigure& figure) {
-  const Eigen::Vector3d wrist =
-      0.5 * (figure.centres_m.col(kWristThumb) + figure.centres_m.col(kWristLittle));
-  return (figure.tips_m.col(static_cast<int>(Finger::middle)) - wrist).norm();
-}
-
-/// Factor that gives the hand of a view its size.
+/// Factor that gives the figure of a view its size.
 double size_factor(const CalibrationView& view, const KnownLength& known) {
   const HandFigure figure = make_figure(view.hand.figure->mean, Face::palm, view.hand.layout);
-  if (!known.span_m) return known.hand_length_m.value_or(kAverageHandLength_m) / length_m(figure);
+  if (known.hand_length_m) return *known.hand_length_m / hand_length_m(figure);
+  if (!known.span_m) return 1;
   const auto tips_m = pose_fingers(figure, view.posture).tips_m;  // not at rest: as it was spread
   return *known.span_m / (tips_m.col(0) - tips_m.col(kFingerCount - 1)).norm();
 }
@@ -73,14 +67,13 @@ SelfCalibration self_calibrate_hand(std::span<const CalibrationView> views, cons
              "apart: hold the hand stiff, fingers spread, and turn it as a whole for longer",
              1000 * changed_m));
   const FigureEstimate sized = rescaled(*learned.figure, size_factor(*used.back(), known));
-  out.hand = hand_of_figure(sized, learned.layout);
+  out.hand = hand_of_figure(sized, learned.layout, !known.span_m && !known.hand_length_m);
   if (sized.mean.cwiseAbs().maxCoeff() > kMostCoefficient)
     throw CalibrationError(
         text("the hand would measure %.0f mm from thumb tip to little fingertip, which none does: "
              "measure the length again",
              1000 * out.hand.span_m()));
   out.hand.source = HandSource::self;
-  out.hand.average_scale = !known.span_m && !known.hand_length_m;
   return out;
 }
 

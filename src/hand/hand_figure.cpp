@@ -26,6 +26,29 @@ Eigen::Matrix3d turn(const Eigen::Vector3d& axis, double angle_rad) {
   return Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
 }
 
+/// Of a sphere's coordinates, how far the average hand has it from the middle of all.
+constexpr auto kFromMiddle_m = [] {
+  std::array<double, 4 * kSphereCount> from{};
+  for (int axis = 0; axis < 3; ++axis) {
+    double middle = 0;
+    for (int s = 0; s < kSphereCount; ++s) middle += kFigureMean_m[4 * s + axis] / kSphereCount;
+    for (int s = 0; s < kSphereCount; ++s)
+      from[4 * s + axis] = kFigureMean_m[4 * s + axis] - middle;
+  }
+  return from;
+}();
+
+/// By what share each mode makes a hand larger: its spheres laid on the mean ones, least squares.
+constexpr auto kLarger = [] {
+  double square = 0;
+  for (const double m : kFromMiddle_m) square += m * m;
+  std::array<double, kFigureModes> larger{};
+  for (int k = 0; k < kFigureModes; ++k)
+    for (int i = 0; i < 4 * kSphereCount; ++i)
+      larger[k] += kFromMiddle_m[i] * kFigureModes_m[k][i] / square;
+  return larger;
+}();
+
 /// From the palm in thumb_right to what is seen: z is mirrored for the back, x for thumb_left.
 Eigen::Vector3d mirror(Face face, Layout layout) {
   return {layout == Layout::thumb_right ? 1.0 : -1.0, 1.0, face == Face::palm ? 1.0 : -1.0};
@@ -105,6 +128,41 @@ HandFigure make_figure(const FigureCoefficients& coefficients, Face face, Layout
   }
   for (int f = 0; f < kFingerCount; ++f)
     figure.tips_m.col(f) = m.cwiseProduct(v.segment<3>(kTipOffset + 3 * f));
+  return figure;
+}
+
+double hand_length_m(const HandFigure& figure) noexcept {
+  const Eigen::Vector3d wrist =
+      0.5 * (figure.centres_m.col(kWristThumb) + figure.centres_m.col(kWristLittle));
+  return (figure.tips_m.col(static_cast<int>(Finger::middle)) - wrist).norm();
+}
+
+namespace {
+
+/// Of the mean of all figures.
+double mean_size() {
+  const FigureCoefficients mean = FigureCoefficients::Zero();
+  return hand_length_m(make_figure(mean, Face::palm, Layout::thumb_right)) / kAverageHandLength_m;
+}
+
+}  // namespace
+
+double relative_size(const FigureCoefficients& coefficients) noexcept {
+  return mean_size() + relative_size_derivative().dot(coefficients);
+}
+
+FigureCoefficients relative_size_derivative() noexcept {
+  return mean_size() * Eigen::Map<const FigureCoefficients>(kLarger.data());
+}
+
+HandFigure make_figure(const HandModel& hand, Face face, Layout layout) noexcept {
+  const FigureCoefficients mean = estimate_figure(hand).mean;
+  HandFigure figure = make_figure(mean, face, layout);
+  if (!hand.scale_assumed()) return figure;
+  const double factor = 1 / relative_size(mean);
+  figure.centres_m *= factor;
+  figure.radii_m *= factor;
+  figure.tips_m *= factor;
   return figure;
 }
 
@@ -282,15 +340,17 @@ FigureEstimate rescaled(const FigureEstimate& figure, double factor) noexcept {
   return {H.llt().solve(g), figure.covariance};
 }
 
-HandModel hand_of_figure(const FigureEstimate& figure, Layout layout) noexcept {
+HandModel hand_of_figure(const FigureEstimate& figure, Layout layout, bool average_scale) noexcept {
   HandModel hand;
   hand.layout = layout;
   hand.figure = figure;
-  hand.tips_m = make_figure(figure.mean, Face::palm, layout).tips_m;
+  hand.average_scale = average_scale;
+  const double factor = average_scale ? 1 / relative_size(figure.mean) : 1;
+  hand.tips_m = factor * make_figure(figure.mean, Face::palm, layout).tips_m;
   for (int i = 0; i < 3 * kFingerCount; ++i) {
     Eigen::Matrix<double, kFigureModes, 1> row;
     for (int k = 0; k < kFigureModes; ++k) row[k] = kFigureModes_m[k][kTipOffset + i];
-    hand.tips_sigma_m(i % 3, i / 3) = std::sqrt(row.dot(figure.covariance * row));
+    hand.tips_sigma_m(i % 3, i / 3) = factor * std::sqrt(row.dot(figure.covariance * row));
   }
   return hand;
 }

@@ -61,8 +61,7 @@ Eigen::Isometry3d T_hand_attachment(Attachment where, const HandModel& hand,
                                 (where == Attachment::back && seen == Face::palm);
   if (where <= Attachment::back && !wants_other_side) return standing(hand.palm_centre_m(), 1);
 
-  const HandFigure figure =
-      make_figure(estimate_figure(hand).mean, seen, result.layout.value_or(hand.layout));
+  const HandFigure figure = make_figure(hand, seen, result.layout.value_or(hand.layout));
   const auto over = [&](const Eigen::Vector3d& p_hand, double radius_m, double side) {
     return standing(p_hand + side * radius_m * Eigen::Vector3d::UnitZ(), side);
   };

@@ -21,6 +21,30 @@ Eigen::Matrix3d origin_covariance(const Eigen::Isometry3d& T_camera_hand) {
   return origin_m * origin_m.transpose();
 }
 
+/// What the size of a hand that was never measured adds to it: people's differ as their figures do.
+Eigen::Matrix3d size_covariance(const Eigen::Isometry3d& T_camera_hand) {
+  const double share =
+      relative_size_derivative().norm() / relative_size(FigureCoefficients::Zero());
+  const Eigen::Vector3d off_m = share * T_camera_hand.translation();
+  return off_m * off_m.transpose();
+}
+
+/// A picture tells a hand's shape, not its size: larger and farther away it looks the same. So the
+/// pose is told as that of a hand of the average size, and its information likewise. The figure's
+/// own would not do: within five seconds real hands that are held still shrink by a sixth, since
+/// their shapes are those of smaller hands.
+void to_average_size(const FigureCoefficients& figure, Eigen::Isometry3d& T_camera_hand,
+                     HandMatrix& information) {
+  const double size = relative_size(figure);
+  T_camera_hand.translation() /= size;
+  // The translation is `size` times the reported one.
+  HandMatrix by_reported = HandMatrix::Identity();
+  by_reported.block<3, 3>(3, 3) *= size;
+  by_reported.block<3, kFigureModes>(3, kFigureAt) =
+      T_camera_hand.translation() * relative_size_derivative().transpose();
+  information = by_reported.transpose() * information * by_reported;
+}
+
 }  // namespace
 
 HandTracker::Impl::Impl(const Camera& c, const HandModel& h, const Config& cfg)
@@ -134,13 +158,17 @@ void HandTracker::Impl::believe(double dt_s) noexcept {
 void HandTracker::Impl::filter(double dt_s, TrackResult& result) noexcept {
   const Alignment& best = in_view()->alignment;
   PoseEstimate raw;
+  HandMatrix information = best.information;
   raw.T_camera_hand = best.state.T_camera_hand;
-  raw.covariance = pose_information(best.information).llt().solve(Matrix6d::Identity());
+  if (hand.scale_assumed()) to_average_size(best.state.figure, raw.T_camera_hand, information);
+  raw.covariance = pose_information(information).llt().solve(Matrix6d::Identity());
   // Most of its errors come from what the figure cannot explain and stay while the view does.
   raw.noise_covariance = std::min(dt_s, kLongest_s) / config.learning.remember_s * raw.covariance;
   if (!seen.gestures.holds()) raw.covariance += seen.hypotheses.spread();
   if (hand.source == HandSource::average_adult)
     raw.covariance.bottomRightCorner<3, 3>() += origin_covariance(raw.T_camera_hand);
+  if (hand.scale_assumed())
+    raw.covariance.bottomRightCorner<3, 3>() += size_covariance(raw.T_camera_hand);
   raw.rms_px = best.rms_px;
   seen.filter.update(seen.time_s, raw);
   const auto filtered = seen.filter.predict(seen.time_s);
@@ -170,9 +198,9 @@ void HandTracker::Impl::learn(const ImageView& frame, double dt_s) noexcept {
     seen.hypotheses.learn_person(views, config);
     seen.person = best.person;
   }
-  learned_hand = hand_of_figure(seen.person.estimate(), best.appearance.layout);
+  learned_hand =
+      hand_of_figure(seen.person.estimate(), best.appearance.layout, hand.scale_assumed());
   learned_hand.source = hand.scale_assumed() ? HandSource::self : hand.source;
-  learned_hand.average_scale = hand.scale_assumed();
   learned_hand.thickness_m = hand.thickness_m;
 }
 

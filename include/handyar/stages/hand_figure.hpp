@@ -72,6 +72,18 @@ std::span<const std::array<std::int8_t, 3>> figure_hulls() noexcept;
 /// The figure of a person's coefficients (FigureCoefficients).
 HandFigure make_figure(const FigureCoefficients& coefficients, Face face, Layout layout) noexcept;
 
+/// The figure of a hand model, as large as the model says: where its size was not measured the
+/// coefficients tell the shape alone.
+HandFigure make_figure(const HandModel& hand, Face face, Layout layout) noexcept;
+
+/// From the crease of the wrist to the tip of the middle finger.
+double hand_length_m(const HandFigure& figure) noexcept;
+
+/// How large a figure is: 1 as the average adult's (kAverageHandLength_m), by all its spheres.
+/// Linear in the coefficients; a picture does not tell it.
+double relative_size(const FigureCoefficients& coefficients) noexcept;
+FigureCoefficients relative_size_derivative() noexcept;
+
 /// How sphere `sphere` moves and grows with each coefficient: x, y, z in metres, radius.
 using FigureDerivative = Eigen::Matrix<double, 4, kFigureModes>;
 FigureDerivative figure_derivative(int sphere, Face face, Layout layout) noexcept;
@@ -93,7 +105,9 @@ FigureEstimate estimate_figure(const HandModel& hand, const FigureEstimate& pers
 FigureEstimate rescaled(const FigureEstimate& figure, double factor) noexcept;
 
 /// A person's figure as a hand model: fingertips of the outstretched hand in the hand frame, with
-/// their standard deviations. Scale, source and thickness are the caller's.
-HandModel hand_of_figure(const FigureEstimate& figure, Layout layout) noexcept;
+/// their standard deviations; with `average_scale` those of a hand of this shape and the average
+/// size. Source and thickness are the caller's.
+HandModel hand_of_figure(const FigureEstimate& figure, Layout layout,
+                         bool average_scale = false) noexcept;
 
 }  // namespace handyar
