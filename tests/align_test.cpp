@@ -29,7 +29,7 @@ struct Scene {
   }
 
   HandPrior prior(const HandState& around) const {
-    return prior_around(around, Person(estimate_figure(average_adult_hand())), kLongAgo_s, {});
+    return prior_around(around, Person(average_adult_hand()), kLongAgo_s, {});
   }
 
   Alignment align(const HandState& start) {

@@ -28,8 +28,8 @@ struct Beginning {
       candidate.tips_px[f] = film.true_tip_px(f).cast<float>();
       candidate.roots_px[f] = film.true_root_px(f).cast<float>();
     }
-    found = ways.begin(candidate, film.picture().view(), film.camera,
-                       Person(estimate_figure(average_adult_hand())), config, aligner);
+    found = ways.begin(candidate, film.picture().view(), film.camera, Person(average_adult_hand()),
+                       config, aligner);
   }
 
   test::Film film;

@@ -54,6 +54,22 @@ TEST(Person, LearnsAShareOfAFrame) {
   EXPECT_NEAR(person.estimate().covariance(0, 0), 1 / (1 + known), 1e-9);
 }
 
+TEST(Person, LearnsHowTheFingersAreHeldUnlessTheyWereMeasured) {
+  Alignment frame = aligned(0, 0.5, 0, 1);
+  frame.state.posture.flexion_rad[0] = 0.2;
+  frame.state.posture.abduction_rad[4] = -0.1;
+  HandModel measured = average_adult_hand();
+  measured.source = HandSource::checkerboard;
+  Person stranger(average_adult_hand()), known(measured);
+  for (int i = 0; i < 12; ++i)
+    for (Person* person : {&stranger, &known}) person->learn(frame, {}, 0.25);
+  EXPECT_NEAR(stranger.rest().flexion_rad[0], 0.2 * 3 / 4, 1e-9);  // of four views one is anybody's
+  EXPECT_NEAR(stranger.rest().abduction_rad[4], -0.1 * 3 / 4, 1e-9);
+  EXPECT_EQ(known.rest().flexion_rad[0], 0);
+  const HandPrior later = prior_around({}, stranger, kLongAgo_s, {});
+  EXPECT_NEAR(later.mean.posture.flexion_rad[0], 0.2 * 3 / 4, 1e-9);
+}
+
 /// After a second in which every finger but the thumb is turned and bent by `angle_rad`.
 double liveliness_of(double angle_rad, double before, int frames_per_s) {
   Posture posture;
@@ -61,7 +77,8 @@ double liveliness_of(double angle_rad, double before, int frames_per_s) {
     posture.abduction_rad[f] = posture.flexion_rad[f] = f % 2 == 0 ? angle_rad : -angle_rad;
   double liveliness = before;
   for (int i = 0; i < frames_per_s; ++i)
-    liveliness = liveliness_after(1.0 / frames_per_s, posture, liveliness, BeliefConfig{}.same_s);
+    liveliness =
+        liveliness_after(1.0 / frames_per_s, posture, {}, liveliness, BeliefConfig{}.same_s);
   return liveliness;
 }
 
@@ -74,12 +91,20 @@ TEST(Liveliness, FallsWhereFingersAreAtRestAndComesBackWhereTheyMove) {
   EXPECT_LE(liveliness_of(1.0, still, 30), 1);
 }
 
+TEST(Liveliness, IsOfWhatStraysFromThePersonsOwnRest) {
+  Posture thumb_out;
+  thumb_out.flexion_rad[0] = 0.4;
+  const double same_s = BeliefConfig{}.same_s;
+  EXPECT_EQ(liveliness_after(0.03, thumb_out, {}, kStillest, same_s), 1);
+  EXPECT_EQ(liveliness_after(0.03, thumb_out, thumb_out, kStillest, same_s), kStillest);
+}
+
 TEST(Liveliness, IsTheSameAtEveryFrameRate) {
   EXPECT_NEAR(liveliness_of(0.03, 1, 15), liveliness_of(0.03, 1, 120), 1e-9);
 }
 
 TEST(Liveliness, FingersThatAreAtRestAreHeldSoMuchFirmer) {
-  const Person person(estimate_figure(average_adult_hand()));
+  const Person person(average_adult_hand());
   const HandPrior lively = prior_around({}, person, kLongAgo_s, {}),
                   still = prior_around({}, person, kLongAgo_s, {}, 0.5);
   EXPECT_NEAR(still.information(kFlexionAt + 2, kFlexionAt + 2),

@@ -56,6 +56,17 @@ Eigen::Vector3d mirror(Face face, Layout layout) {
 
 }  // namespace
 
+Posture Posture::towards(const Posture& other, double share) const noexcept {
+  const auto between = [share](double a, double b) { return a + share * (b - a); };
+  Posture to;
+  for (int f = 0; f < kFingerCount; ++f) {
+    to.abduction_rad[f] = between(abduction_rad[f], other.abduction_rad[f]);
+    to.flexion_rad[f] = between(flexion_rad[f], other.flexion_rad[f]);
+  }
+  to.thumb_bend_rad = between(thumb_bend_rad, other.thumb_bend_rad);
+  return to;
+}
+
 PosedFigure pose_fingers(const HandFigure& figure, const Posture& posture) noexcept {
   PosedFigure posed{figure.centres_m, HandFigure::Centres::Zero(), HandFigure::Centres::Zero(),
                     HandFigure::Centres::Zero(), figure.tips_m};

@@ -15,9 +15,7 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   constexpr double kShortest_s = 1e-3;  // no information is infinite
   const double keeps = std::exp(-std::max(dt_s, kShortest_s) / config.belief.same_s),
                moves = liveliness * std::sqrt(1 - keeps * keeps);
-  for (double& angle_rad : prior.mean.posture.abduction_rad) angle_rad *= keeps;
-  for (double& angle_rad : prior.mean.posture.flexion_rad) angle_rad *= keeps;
-  prior.mean.posture.thumb_bend_rad *= keeps;
+  prior.mean.posture = person.rest().towards(expected.posture, keeps);
   prior.mean.figure = person.mean();
   HandVector sigma = HandVector::Ones();
   sigma.head<3>().setConstant(motion.rotation_sigma_rad);
@@ -34,7 +32,8 @@ HandPrior prior_around(const HandState& expected, const Person& person, double d
   return prior;
 }
 
-double liveliness_after(double dt_s, const Posture& found, double before, double same_s) noexcept {
+double liveliness_after(double dt_s, const Posture& found, const Posture& rest, double before,
+                        double same_s) noexcept {
   // Angles that are drawn to rest by a prior of variance v and measured with the variance n have a
   // variance of at most v / 4 where there is no motion, whatever n is: with four times what is
   // found v shrinks for a hand at rest, and for one that moves by more than n it does not.
@@ -42,8 +41,9 @@ double liveliness_after(double dt_s, const Posture& found, double before, double
   double found_variance = 0;
   for (int f = 0; f < kFingerCount; ++f) {
     const double sigma_rad = finger_sigma_rad(f);
-    found_variance += (found.abduction_rad[f] * found.abduction_rad[f] +
-                       found.flexion_rad[f] * found.flexion_rad[f]) /
+    const double turned_rad = found.abduction_rad[f] - rest.abduction_rad[f],
+                 bent_rad = found.flexion_rad[f] - rest.flexion_rad[f];
+    found_variance += (turned_rad * turned_rad + bent_rad * bent_rad) /
                       (2 * kFingerCount * sigma_rad * sigma_rad);
   }
   // It rises at once, since fingers that close would pull the palm with them.

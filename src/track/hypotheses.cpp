@@ -252,7 +252,8 @@ bool Hypotheses::follow(const ImageView& frame, const Camera& camera, double dt_
     if (!h.alignment.valid) continue;
     HandState& now = h.alignment.state;
     now.velocity = before.difference(now).head<6>() / dt_s;
-    h.liveliness = liveliness_after(dt_s, now.posture, h.liveliness, config.belief.same_s);
+    h.liveliness =
+        liveliness_after(dt_s, now.posture, h.person.rest(), h.liveliness, config.belief.same_s);
     if (turn_over(h.appearance, now.T_camera_hand)) h.fingers.reset();
     h.log_weight += share * h.alignment.log_posterior;
   }

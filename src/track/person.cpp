@@ -2,11 +2,17 @@
 #include "track/person.hpp"
 
 #include <Eigen/Cholesky>
+#include <limits>
 
 namespace handyar {
 
-Person::Person(const FigureEstimate& known)
-    : mean_(known.mean), information_(known.covariance.llt().solve(Information::Identity())) {}
+Person::Person(const HandModel& hand) {
+  const FigureEstimate known = estimate_figure(hand);
+  mean_ = known.mean;
+  information_ = known.covariance.llt().solve(Information::Identity());
+  if (hand.source == HandSource::checkerboard || hand.source == HandSource::truth)
+    rest_views_ = std::numeric_limits<double>::infinity();
+}
 
 FigureEstimate Person::estimate() const noexcept {
   return {mean_, information_.llt().solve(Information::Identity())};
@@ -34,6 +40,8 @@ void Person::learn(const Alignment& alignment, const HandPrior& rest, double sha
   if (!step.allFinite() || !learned.allFinite()) return;
   mean_ += step;
   information_ = 0.5 * (learned + learned.transpose());
+  rest_views_ += share;
+  rest_ = rest_.towards(alignment.state.posture, share / rest_views_);
 }
 
 }  // namespace handyar

@@ -54,7 +54,7 @@ HandTracker::Impl::Impl(const Camera& c, const HandModel& h, const Config& cfg)
       camera(c),
       seen{.hypotheses = {},
            .gestures = {},
-           .person = Person(estimate_figure(h)),
+           .person = Person(h),
            .filter = PoseFilter(config.filter)},
       learned_hand(h) {
   outline.reserve(Silhouette::kMaxAnchors);
@@ -63,7 +63,7 @@ HandTracker::Impl::Impl(const Camera& c, const HandModel& h, const Config& cfg)
 void HandTracker::Impl::reset() noexcept {
   seen = {.hypotheses = {},
           .gestures = {},
-          .person = Person(estimate_figure(hand)),
+          .person = Person(hand),
           .filter = PoseFilter(config.filter)};
   aligner.forget();
   scout.forget();

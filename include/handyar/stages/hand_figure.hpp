@@ -27,6 +27,9 @@ constexpr int finger_of(int sphere) noexcept {
 struct Posture {
   std::array<double, kFingerCount> abduction_rad{}, flexion_rad{};
   double thumb_bend_rad = 0;
+
+  /// So much of the way to another.
+  Posture towards(const Posture& other, double share) const noexcept;
 };
 
 /// A solid hand: spheres, and the convex hulls of two or three of them (tapered capsules and palm
