@@ -342,7 +342,8 @@ TEST(Tracker, AnAssumedSizeStaysWhateverShapeIsLearned) {
       const double distance_m = film.result.pose->T_camera_hand.translation().norm();
       EXPECT_NEAR(size * distance_m / film.T_camera_hand.translation().norm(), 1, 0.015) << i;
     }
-    const HandModel truth = hand_of_figure({film.hand.state.figure, {}}, Layout::thumb_right);
+    const FigureEstimate figure{.mean = film.hand.state.figure};
+    const HandModel truth = hand_of_figure(figure, Layout::thumb_right);
     EXPECT_NEAR(size * film.tracker.hand().span_m() / truth.span_m(), 1, 0.03);
   }
 }

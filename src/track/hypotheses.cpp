@@ -200,12 +200,17 @@ void Hypotheses::expect(const HandCandidate* seen, const Camera& camera, double 
   }
 }
 
-Matrix6d Hypotheses::spread() const noexcept {
+Matrix6d Hypotheses::spread(bool average_size) const noexcept {
+  const auto told = [average_size](const Hypothesis& h) {
+    HandState state = h.alignment.state;
+    if (average_size) state.T_camera_hand.translation() /= relative_size(state.figure);
+    return state;
+  };
   Matrix6d sum = Matrix6d::Zero();
   double weights = 0;
   for (const Hypothesis& h : std::span(items_.data(), count_)) {
     const double weight = std::exp(h.log_weight);
-    const HandVector apart = best().alignment.state.difference(h.alignment.state);
+    const HandVector apart = told(best()).difference(told(h));
     sum += weight * apart.head<6>() * apart.head<6>().transpose();
     weights += weight;
   }

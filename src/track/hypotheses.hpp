@@ -69,8 +69,9 @@ class Hypotheses {
                   const TrackerConfig& config, Aligner& aligner) noexcept;
 
   /// How far the others lie from the best, each by its probability (second moment of the pose
-  /// about it): what not knowing which of them is right adds to its covariance.
-  Matrix6d spread() const noexcept;
+  /// about it): what not knowing which of them is right adds to its covariance. With
+  /// `average_size` as hands of that size.
+  Matrix6d spread(bool average_size) const noexcept;
 
   /// Each takes what its own figure says of the person; `share` of it is new.
   void learn_person(double share, const TrackerConfig& config) noexcept;

@@ -164,7 +164,7 @@ void HandTracker::Impl::filter(double dt_s, TrackResult& result) noexcept {
   raw.covariance = pose_information(information).llt().solve(Matrix6d::Identity());
   // Most of its errors come from what the figure cannot explain and stay while the view does.
   raw.noise_covariance = std::min(dt_s, kLongest_s) / config.learning.remember_s * raw.covariance;
-  if (!seen.gestures.holds()) raw.covariance += seen.hypotheses.spread();
+  if (!seen.gestures.holds()) raw.covariance += seen.hypotheses.spread(hand.scale_assumed());
   if (hand.source == HandSource::average_adult)
     raw.covariance.bottomRightCorner<3, 3>() += origin_covariance(raw.T_camera_hand);
   if (hand.scale_assumed())
