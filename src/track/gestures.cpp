@@ -35,8 +35,8 @@ std::string_view name(GestureEvent event) noexcept {
 
 namespace {
 
-// The fingers in each posture, as they fit rendered hands best. Seen from the front, a fist's
-// fingers point to the camera; a folded thumb lies before the palm or behind it.
+// The fingers in each posture but the open one, as they fit rendered hands best. Seen from the
+// front, a fist's fingers point to the camera; a folded thumb lies before the palm or behind it.
 constexpr std::array<Posture, 3> kFingers = {
     {{}, {{-0.74, 0, 0, 0, 0}, {0.65, 1.35, 1.35, 1.35, 1.35}}, {{-0.75}, {0.95}}}};
 
@@ -114,9 +114,9 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, double dt_s,
   for (int i = 0; i < kPostures; ++i) {
     HandState expected = hand_.alignment.state;
     expected.T_camera_hand = expected.pose_after(dt_s);
-    expected.posture = kFingers[i];
+    expected.posture = static_cast<Gesture>(i) == Gesture::open ? hand_.person.rest() : kFingers[i];
     HandPrior prior = prior_around(expected, hand_.person, dt_s, config);
-    prior.mean.posture = kFingers[i];
+    prior.mean.posture = expected.posture;
     // They and the palm are held as firmly as the stillest hand: less of a folded hand's outline is
     // seen, and what is seen does not fit as well.
     prior.information.topLeftCorner<kBoundaryAt, kBoundaryAt>() /= kStillest * kStillest;
@@ -130,7 +130,7 @@ void Gestures::lay(const ImageView& frame, const Camera& camera, double dt_s,
 PartRatios Gestures::inside(const HandState& state, const ImageView& frame, const Camera& camera,
                             const Aligner& aligner) const noexcept {
   HandState outstretched = state;
-  outstretched.posture = {};
+  outstretched.posture = hand_.person.rest();
   return aligner.ratios_inside(frame, camera, hand_.appearance, outstretched);
 }
 
